@@ -1,0 +1,48 @@
+"""The only door to Numba: a typed decorator for hot loops, compiled at first use and cached on disk.
+
+Nothing is compiled at import. `announce_compilation` tells a person why the first run takes longer.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar, cast
+
+import numba
+from numba.core import event
+
+AnyFunction = TypeVar("AnyFunction", bound=Callable[..., object])
+
+
+_FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # NaN and infinity keep their meaning
+
+
+def compiled(function: AnyFunction) -> AnyFunction:
+    """Compile a loop over numpy arrays to machine code (no Python objects, no interpreter lock)."""
+    return cast("AnyFunction", numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FASTMATH)(function))
+
+
+def compiled_inline(function: AnyFunction) -> AnyFunction:
+    """Like `compiled`, for small functions called from inside other loops: not cached on their own."""
+    return cast("AnyFunction", numba.njit(nogil=True, error_model="numpy", fastmath=_FASTMATH, inline="always")(function))
+
+
+class _FirstCompilation(event.Listener):
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._said = False
+
+    def on_start(self, event: object) -> None:
+        if not self._said:
+            self._said = True
+            self._say("Compiling the fast loops for this computer (once, up to a minute) ...")
+
+    def on_end(self, event: object) -> None:
+        pass
+
+
+@contextmanager
+def announce_compilation(say: Callable[[str], None]) -> Iterator[None]:
+    """While active, call `say` once when a loop has to be compiled because the disk cache does not hold it."""
+    listener = _FirstCompilation(say)
+    with event.install_listener("numba:compile", listener):
+        yield

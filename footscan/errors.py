@@ -1,0 +1,73 @@
+"""Every error that footscan raises on purpose.
+
+```
+FootscanError
+|-- InputError                what somebody gave us is unusable          exit status 2
+|   |-- ConfigError           a TOML file: key, found, allowed
+|   |-- RecordingError        a recording is cut, tampered with or of another kind
+|   |-- StaleTableError       a calibration table of another calibration
+|   |-- MachineMismatchError  a calibration of another machine
+|   `-- MeshError             a mesh or cloud that is no foot
+|-- StorageError              the disk is full or a place cannot be written  exit status 2
+|-- DeviceError               camera, encoder or outputs in trouble      exit status 3
+`-- QualityError              a result refused by a quality gate         exit status 4
+    |-- EmptyScanError        no laser stripe, or too little of one
+    `-- PoorFitError          a calibration whose residuals are too large
+```
+
+A message is one sentence or two: what was found, what is allowed, what to do next.
+"""
+
+
+class FootscanError(Exception):
+    """Root of the tree; `exit_status` is what the command line returns."""
+
+    exit_status = 2
+
+
+class InputError(FootscanError):
+    """Something given by a person or a file cannot be used."""
+
+
+class ConfigError(InputError):
+    """A TOML file is missing, malformed or holds a value that is not allowed."""
+
+
+class RecordingError(InputError):
+    """A recording is incomplete, tampered with, or of another kind than needed."""
+
+
+class StaleTableError(InputError):
+    """A stored calibration table belongs to another calibration."""
+
+
+class MachineMismatchError(InputError):
+    """A calibration of one machine was offered for a recording of another."""
+
+
+class MeshError(InputError):
+    """A mesh or cloud cannot be understood as a foot."""
+
+
+class StorageError(FootscanError):
+    """A file could not be written; nothing half-written was left."""
+
+
+class DeviceError(FootscanError):
+    """A camera, encoder or output module is in trouble."""
+
+    exit_status = 3
+
+
+class QualityError(FootscanError):
+    """A result exists but a quality gate refuses it."""
+
+    exit_status = 4
+
+
+class EmptyScanError(QualityError):
+    """A scan shows no laser stripe, or too little of one to be a foot."""
+
+
+class PoorFitError(QualityError):
+    """A calibration whose residuals are larger than allowed."""

@@ -1,0 +1,1 @@
+"""Anatomy: arrays and meshes in, arrays and meshes out."""

@@ -1,0 +1,1 @@
+"""Pure mathematics: rigid transforms and planes. Nothing here knows about cameras or feet."""

@@ -1,0 +1,141 @@
+"""What the neighbours along the stripe say of a ridge point: is it part of a stripe, is it an end, where is the stripe.
+
+A quadratic through the neighbours within a few pixels averages their noise without rounding off a curve, and never
+reaches over a gap or a step, because only points that continue the same direction are neighbours.
+"""
+
+import numpy as np
+
+from footscan.compiled import compiled, compiled_inline
+from footscan.coordinates import Floats, Floats32, Ints
+
+REACH_PX = 5
+_SLIP_PX = 1.0  # a neighbour this far across the stripe is another stripe
+_BOTH_SIDES_PX = 1.5
+_PARALLEL_PX = 4.0
+_SAME_DIRECTION = 0.7  # cosine
+
+
+@compiled
+def row_starts(points: Floats32, count: int, height: int) -> Ints:
+    """Index of the first point of each row of pixels, `(height + 1,)`; points are in row order within half a pixel."""
+    starts = np.zeros(height + 1, dtype=np.int64)
+    for i in range(count):
+        starts[_pixel(points[i, 1], height) + 1] += 1
+    for row in range(height):
+        starts[row + 1] += starts[row]
+    return starts
+
+
+@compiled_inline
+def _pixel(place: float, size: int) -> int:
+    return min(max(int(np.floor(place + 0.5)), 0), size - 1)
+
+
+@compiled
+def sort_by_pixel(points: Floats32, count: int, starts: Ints, ordered: Floats32) -> None:
+    """Copy the points into row order, columns ascending within a row (an insertion sort of nearly sorted rows)."""
+    height = starts.shape[0] - 1
+    filled = starts[:height].copy()
+    for i in range(count):
+        row = _pixel(points[i, 1], height)
+        k = filled[row]
+        filled[row] += 1
+        while k > starts[row] and ordered[k - 1, 0] > points[i, 0]:
+            ordered[k] = ordered[k - 1]
+            k -= 1
+        ordered[k] = points[i]
+
+
+@compiled_inline
+def _first_from(points: Floats32, begin: int, end: int, u: float) -> int:
+    """First index in begin..end whose u is at least `u`."""
+    while end - begin > 4:
+        middle = (begin + end) // 2
+        if points[middle, 0] < u:
+            begin = middle + 1
+        else:
+            end = middle
+    while begin < end and points[begin, 0] < u:
+        begin += 1
+    return begin
+
+
+@compiled
+def judge_points(points: Floats32, count: int, starts: Ints, width: int, fewest: int, end_px: float, verdict: Floats32) -> None:
+    """For every point write (keep 0/1, shift across, residual RMS) from its neighbours along the stripe.
+
+    Args:
+        points: `(>= count, 7)` in the order of `sort_by_pixel`.
+        count: Number of points.
+        starts: `row_starts`.
+        width: Columns of the frame.
+        fewest: Smallest number of points (itself included) within reach for a stripe.
+        verdict: `(>= count, 3)` result; the shift is px along the point's normal to the fitted quadratic.
+    """
+    height = starts.shape[0] - 1
+    sums = np.empty(8, dtype=np.float64)
+    for i in range(count):
+        u, v, nu, nv = points[i, 0], points[i, 1], points[i, 4], points[i, 5]
+        row = _pixel(v, height)
+        sums[:] = 0.0
+        lowest, highest = 0.0, 0.0
+        members, rival = 0, False
+        for other_row in range(max(row - REACH_PX, 0), min(row + REACH_PX, height - 1) + 1):
+            end = starts[other_row + 1]
+            j = _first_from(points, starts[other_row], end, u - REACH_PX - 0.5)
+            while j < end and points[j, 0] <= u + REACH_PX + 0.5:
+                du, dv = points[j, 0] - u, points[j, 1] - v
+                across, along = du * nu + dv * nv, dv * nu - du * nv
+                slip = abs(across)
+                if slip < _SLIP_PX + 0.25 * abs(along):
+                    if abs(points[j, 4] * nu + points[j, 5] * nv) > _SAME_DIRECTION and abs(along) < REACH_PX + 0.5:
+                        members += 1
+                        lowest, highest = min(lowest, along), max(highest, along)
+                        _add(sums, along, across)
+                elif slip < _PARALLEL_PX and abs(along) < 1.5 and points[j, 2] > 1.25 * points[i, 2]:
+                    rival = True
+                j += 1
+        inner = 4.0 < u < width - 5.0 and 4.0 < v < height - 5.0
+        is_end = inner and (lowest > -end_px or highest < end_px) and abs(points[i, 6]) > 0.06
+        verdict[i, 0] = 0.0 if members < fewest or rival or is_end else 1.0
+        _place_at_zero(sums, members, lowest < -_BOTH_SIDES_PX and highest > _BOTH_SIDES_PX, verdict[i])
+
+
+@compiled_inline
+def _add(sums: Floats, t: float, d: float) -> None:
+    t2 = t * t
+    sums[0] += t
+    sums[1] += t2
+    sums[2] += t2 * t
+    sums[3] += t2 * t2
+    sums[4] += d
+    sums[5] += d * t
+    sums[6] += d * t2
+    sums[7] += d * d
+
+
+@compiled_inline
+def _place_at_zero(sums: Floats, members: int, both_sides: bool, verdict: Floats32) -> None:
+    """Value at 0 and residual RMS of the least-squares quadratic.
+
+    Where the stripe ends and only one side is known a quadratic would amplify noise: a line is taken there.
+    """
+    n = float(members)
+    s1, s2, s3, s4 = sums[0], sums[1], sums[2], sums[3]
+    y0, y1, y2, yy = sums[4], sums[5], sums[6], sums[7]
+    c00, c01, c02 = s2 * s4 - s3 * s3, s2 * s3 - s1 * s4, s1 * s3 - s2 * s2
+    determinant = n * c00 + s1 * c01 + s2 * c02
+    if both_sides and members >= 5 and determinant > 1e-3 * n * s2 * s4:
+        c11, c12, c22 = n * s4 - s2 * s2, s1 * s2 - n * s3, n * s2 - s1 * s1
+        a = (c00 * y0 + c01 * y1 + c02 * y2) / determinant
+        b = (c01 * y0 + c11 * y1 + c12 * y2) / determinant
+        c = (c02 * y0 + c12 * y1 + c22 * y2) / determinant
+        verdict[1], verdict[2] = a, np.sqrt(max(yy - a * y0 - b * y1 - c * y2, 0.0) / n)
+        return
+    determinant = n * s2 - s1 * s1
+    if members >= 3 and determinant > 1e-3 * n * s2:
+        a, b = (s2 * y0 - s1 * y1) / determinant, (n * y1 - s1 * y0) / determinant
+        verdict[1], verdict[2] = a, np.sqrt(max(yy - a * y0 - b * y1, 0.0) / n)
+        return
+    verdict[1], verdict[2] = 0.0, np.sqrt(yy / max(n, 1.0))

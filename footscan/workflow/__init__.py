@@ -1,0 +1,1 @@
+"""One visit end to end, without a screen."""
