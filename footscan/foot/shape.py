@@ -1,0 +1,127 @@
+"""Is it a foot, where does it point, and which one is it: decided from the shape alone, before any landmark."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footscan.coordinates import Floats
+from footscan.errors import MeshError
+from footscan.foot.outline import Outline, find_bulge, find_outline, turned
+from footscan.foot.sections import cut_shell
+from footscan.foot.shell import Shell
+from footscan.foot.units import check_foot_length
+
+_LOW_SHARE = 0.25
+"""The horizontal shape is judged from the skin below this share of the longest extent: the leg may lean."""
+_FLATTEST_BOARD, _FLATTEST_FOOT = 0.03, 0.14
+"""Height over length: below the first there is no foot, below the second only its sole."""
+_ROUNDEST_FOOT = 1.2
+"""Length over breadth; a healthy foot has 2.5 to 3, a rudiment after amputation may have 1.3."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A rough pose: unit `xy_forward` `(2,)` heel to toe, extent along and across it, height of the skin (mm)."""
+
+    xy_forward: Floats
+    length_mm: float
+    breadth_mm: float
+    height_mm: float
+
+
+def rough_heading(shell: Shell) -> Heading:
+    """Where the foot points, to some degrees, from the moments of its outline; the leg is above the heel.
+
+    Raises:
+        MeshError: The extent cannot be a foot's.
+    """
+    if len(shell.xyz) < 100:
+        raise MeshError(f"{len(shell.xyz)} points are no foot: a scan has thousands")
+    whole = find_outline(shell, np.inf)
+    bottom, top = float(shell.xyz[:, 2].min()), float(shell.xyz[:, 2].max())
+    low = find_outline(shell, bottom + _LOW_SHARE * _diameter(whole.xy))
+    check_foot_length(_diameter(low.xy))
+    forward = _long_direction(low.xy)
+    along, across = low.xy @ forward, low.xy @ np.array([-forward[1], forward[0]])
+    if _toes_behind(shell, forward, along):
+        forward = -forward
+    return Heading(forward, float(np.ptp(along)), float(np.ptp(across)), top - bottom)
+
+
+def check_shape(shell: Shell, heading: Heading) -> None:
+    """Refuse what is no foot: an empty board, a sole alone, a ball.
+
+    Raises:
+        MeshError: Saying what it looks like.
+    """
+    flat = heading.height_mm / heading.length_mm
+    size = f"{heading.length_mm:.0f} x {heading.breadth_mm:.0f} mm and {heading.height_mm:.0f} mm high"
+    if flat < _FLATTEST_BOARD:
+        raise MeshError(f"{size}: an empty board, no foot on it; check that the foot was in the scan")
+    if flat < _FLATTEST_FOOT:
+        raise MeshError(f"{size}: only a sole (plantar scan); foot measurements need the skin up to the ankle")
+    if heading.length_mm / heading.breadth_mm < _ROUNDEST_FOOT:
+        raise MeshError(f"{size}: as broad as it is long, like a ball, not like a foot; check the mesh")
+    lowest = float(shell.xyz[:, 2].min())
+    if abs(lowest) > 0.2 * heading.length_mm:
+        raise MeshError(f"the lowest point is at z = {lowest:.0f} mm: the foot has to stand on z = 0, the board")
+
+
+def side_score(shell: Shell, outline: Outline, heading: Heading) -> float:
+    """How much the left-hand side (seen along the heading) is the medial one: positive for a right foot.
+
+    Three signs, each as a share of the size: the ridge of the instep lies medially, the ball stands out further forward on
+    the medial side, and the foremost toe lies medially.
+    """
+    ahead = turned(outline, heading.xy_forward, mirrored=False)
+    rear, length = float(ahead.xy[:, 0].min()), heading.length_mm
+    left = find_bulge(ahead, length, (0.5, 0.85), 1.0)
+    right = find_bulge(ahead, length, (0.5, 0.85), -1.0)
+    breadth = left.xy[1] - right.xy[1]
+    tip = ahead.xy[ahead.xy[:, 0].argmax()]
+    toe = (tip[1] - (left.xy[1] + right.xy[1]) / 2.0) / breadth
+    ball = (left.xy[0] - right.xy[0]) / length
+    return float(_ridge(shell, heading, rear) + ball + toe / 3.0)
+
+
+def _ridge(shell: Shell, heading: Heading, rear: float) -> float:
+    """Mean place of the highest point across the instep, as a share of its width from the middle; 0 for a cloud."""
+    normal = np.array([*heading.xy_forward, 0.0])
+    across = np.array([-normal[1], normal[0], 0.0])
+    shares: list[float] = []
+    for share in (0.50, 0.55, 0.60, 0.65):
+        xyz = cut_shell(shell, normal * (rear + share * heading.length_mm), normal).xyz.reshape(-1, 3)
+        if len(xyz):
+            y = xyz @ across
+            shares.append(float((y[xyz[:, 2].argmax()] - (y.max() + y.min()) / 2.0) / np.ptp(y)))
+    return float(np.mean(shares)) if shares else 0.0
+
+
+def _toes_behind(shell: Shell, forward: Floats, along: Floats) -> bool:
+    """Whether the skin is higher over the front third than over the rear third of the outline."""
+    x = shell.xyz[:, :2] @ forward
+    third = np.ptp(along) / 3.0
+    rear, front = shell.xyz[x < along.min() + third, 2], shell.xyz[x > along.max() - third, 2]
+    return bool(np.max(front, initial=-np.inf) > np.max(rear, initial=-np.inf))
+
+
+def _diameter(xy: Floats) -> float:
+    """Longest distance between two of `(k, 2)` corners."""
+    if len(xy) == 0:
+        return 0.0
+    return float(np.sqrt(((xy[:, None] - xy[None]) ** 2).sum(axis=-1).max()))
+
+
+def _long_direction(xy: Floats) -> Floats:
+    """Unit direction `(2,)` of a convex polygon's longest second moment of area."""
+    relative = xy - xy.mean(axis=0)
+    following = np.roll(relative, -1, axis=0)
+    twice = relative[:, 0] * following[:, 1] - relative[:, 1] * following[:, 0]
+    total = float(twice.sum())
+    if abs(total) < 1e-12:
+        return np.array([1.0, 0.0])
+    summed = relative + following
+    centre = (summed * twice[:, None]).sum(axis=0) / (3.0 * total)
+    parts = [np.einsum("k,ki,kj->ij", twice, p, p) for p in (relative, following, summed)]
+    moment = sum(parts, np.zeros((2, 2))) / (12.0 * total) - np.outer(centre, centre)
+    return np.linalg.eigh(moment)[1][:, 1]

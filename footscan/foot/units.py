@@ -1,0 +1,54 @@
+"""Units of a mesh file, and whether the size of what it holds can be a foot."""
+
+from typing import Literal, get_args
+
+from footscan.errors import MeshError
+
+Unit = Literal["mm", "cm", "m", "in"]
+UNITS: tuple[Unit, ...] = get_args(Unit)
+
+_MM_PER_UNIT: dict[Unit, float] = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+_WORDS: dict[Unit, str] = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
+
+FOOT_LENGTH_MM = (80.0, 400.0)
+"""What is accepted as the length of a foot, a toddler's as well as the largest known."""
+
+_LIKELY_LENGTH_MM = (105.0, 345.0)
+
+
+def mm_from_unit(unit: str) -> float:
+    """Millimetres in one `unit` (mm, cm, m or in).
+
+    Raises:
+        MeshError: An unknown unit.
+    """
+    if unit not in UNITS:
+        raise MeshError(f"unit {unit!r}: not known; allowed are {', '.join(UNITS)}")
+    return _MM_PER_UNIT[unit]
+
+
+def likely_unit(length: float) -> Unit | None:
+    """The unit in which a number would be a foot's length; None when there is none."""
+    for unit in UNITS:
+        if _LIKELY_LENGTH_MM[0] <= length * _MM_PER_UNIT[unit] <= _LIKELY_LENGTH_MM[1]:
+            return unit
+    return None
+
+
+def check_foot_length(length_mm: float, unit: str = "mm") -> None:
+    """Refuse a foot that is too long or too short, naming the unit it probably is in.
+
+    Args:
+        length_mm: Length (mm) after conversion from `unit`.
+        unit: The unit the input was read in.
+
+    Raises:
+        MeshError: Outside `FOOT_LENGTH_MM`.
+    """
+    shortest, longest = FOOT_LENGTH_MM
+    if shortest <= length_mm <= longest:
+        return
+    length = length_mm / mm_from_unit(unit)
+    guess = likely_unit(length)
+    advice = f"in {_WORDS[guess]}? pass --unit {guess}" if guess else "check the unit, or that the file holds one foot"
+    raise MeshError(f"{length:.3g} {unit} long, a foot is {shortest:.0f} to {longest:.0f} mm: {advice}")
