@@ -79,7 +79,6 @@ def is_seen(u: float, v: float, inverse_depth: float, nearest: Floats32) -> bool
     if column < -8 or row < -8 or column > width + 8 or row > height + 8:
         return False
     column, row = min(max(column, 0), width - 2), min(max(row, 0), height - 2)
-    first_met = min(
-        min(nearest[row, column], nearest[row, column + 1]), min(nearest[row + 1, column], nearest[row + 1, column + 1])
-    )
+    upper, lower = nearest[row], nearest[row + 1]
+    first_met = min(upper[column], upper[column + 1], lower[column], lower[column + 1])
     return first_met * (1.0 - HIDDEN_MM * inverse_depth) <= inverse_depth

@@ -1,4 +1,4 @@
-"""From light to bytes: speckle, shot and read noise, saturation, black level. Every grey value follows from the seed."""
+"""From light to bytes: speckle, shot and read noise, saturation, black level. All of it follows from the seed."""
 
 import numpy as np
 from scipy.special import ndtri

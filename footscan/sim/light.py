@@ -1,8 +1,8 @@
 """Draw the laser's light into the picture: short strokes of each light curve as blurred Gaussian spots.
 
-A sheet of finite width is several thin sheets beside each other (the layers); each is cut, shadowed and drawn on its own,
-so that edges, curvature and silhouettes shape the stripe as they do in reality. The blur of the lens is added to each
-spot's covariance, which is exact for Gaussian blur.
+A sheet of finite width is several thin sheets beside each other (the layers); each is cut, shadowed and drawn on its
+own, so that edges, curvature and silhouettes shape the stripe as they do in reality. The blur of the lens is added to
+each spot's covariance, which is exact for Gaussian blur.
 """
 
 import numpy as np
@@ -44,10 +44,13 @@ def draw_light(
     """Add the light of one layer of the sheet on some pieces of its curve.
 
     Args:
-        pieces: `(n, 7)` of `cut.Cut`; those from `begin` to `end` are drawn.
+        pieces: `(n, 7)` of `cut.Cut`.
+        begin: First piece to draw.
+        end: One after the last.
         z_light: Distance of the layer from the middle of the sheet, mm.
-        numbers: `(NUMBERS,)`: laser place (mm), grey value of a surface facing the laser at the axis, sigma of the layer
-            (mm), sigma of the blur (px), share and sigma (mm) of light spread inside the skin, 1 for an open surface.
+        numbers: `(NUMBERS,)`: laser place (mm), grey value of a surface facing the laser at the axis, sigma of the
+            layer (mm), sigma of the blur (px), share and sigma (mm) of light spread inside the skin, 1 for an open
+            surface.
         eye: `(3,)` optical centre in the light system.
         floor: `(4,)` plane of the board in the light system; what lies below is not drawn.
         camera_from_light: 4x4.

@@ -1,7 +1,9 @@
 """`Painter`: the frame a true machine takes of a surface on its footboard at a head angle.
 
-The laser stands at (-distance, height) of its light system: 560 mm from the axis, which is the camera's g of Table I, and
-200 mm above the board, a little below the camera's lens, as Figures 1 and 8 of the paper show it.
+The laser stands at (-distance, height) of its light system: 560 mm from the axis, the camera's g of Table I, and 375 mm
+above the board. The paper does not give the height; this one makes shadows end on the board where those of recordings
+made by an independent ray tracer of the same machine end. The light is a fan in the sheet, with no width at the
+laser: half shadows are not drawn. Nor is the motion of the head during the exposure.
 """
 
 from dataclasses import dataclass, replace
@@ -122,7 +124,7 @@ class Painter:
         return frame
 
     def paint_light(self, theta_rad: float, laser: LaserName | None) -> Floats32:
-        """Laser light `(height, width)` in grey values before noise and saturation; a view that the next call changes."""
+        """Laser light `(height, width)` before noise and saturation; a view that the next call changes."""
         camera_from = camera_from_world(self.machine, theta_rad)
         project_points(self.surface.xyz_world, camera_from, self._lens, self._image)
         draw_mesh(self._image, self.surface.faces, self._shade, self._nearest_to_camera, self._ambient)
@@ -208,10 +210,10 @@ def split_sheet(sigma_mm: float, layers: int) -> tuple[Floats, Floats, float]:
     if layers == 1:
         return np.zeros(1), np.ones(1), sigma_mm
     step = 3.2 / (layers - 1)  # the outermost stand at 1.6 sigma
-    place = step * (np.arange(layers) - (layers - 1) / 2.0)
+    place: Floats = step * (np.arange(layers) - (layers - 1) / 2.0)
     share = np.exp(-(place**2) / (2.0 * 0.8**2))
     share /= share.sum()
-    thin = np.sqrt(1.0 - float(share @ place**2))
+    thin = float(np.sqrt(1.0 - share @ place**2))
     return sigma_mm * place, share / thin, sigma_mm * thin
 
 

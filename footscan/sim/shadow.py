@@ -47,4 +47,4 @@ def is_lit(x: float, y: float, laser_x: float, laser_y: float, nearest: Floats) 
     if ray < 0 or ray + 1 >= SLOPES:
         return False
     first_met = min(nearest[ray], nearest[ray + 1])
-    return 1.0 >= first_met * (distance - NEARER_MM)
+    return first_met * (distance - NEARER_MM) <= 1.0

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 import trimesh
@@ -47,7 +46,7 @@ def surface_from_trimesh(mesh: trimesh.Trimesh, longest_edge_mm: float = LONGEST
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     closed = bool(mesh.is_watertight) or _bounds_a_body(mesh)
     divided = trimesh.remesh.subdivide_to_size(vertices, faces, max_edge=longest_edge_mm, max_iter=20)
-    xyz_world, faces = cast("tuple[Floats, Ints]", divided[:2])
+    xyz_world, faces = divided[:2]
     return Surface(np.ascontiguousarray(xyz_world), np.ascontiguousarray(faces, dtype=np.int64), closed)
 
 
