@@ -210,7 +210,7 @@ def split_sheet(sigma_mm: float, layers: int) -> tuple[Floats, Floats, float]:
     if layers == 1:
         return np.zeros(1), np.ones(1), sigma_mm
     step = 3.2 / (layers - 1)  # the outermost stand at 1.6 sigma
-    place: Floats = step * (np.arange(layers) - (layers - 1) / 2.0)
+    place: Floats = step * (np.arange(layers, dtype=np.float64) - (layers - 1) / 2.0)
     share = np.exp(-(place**2) / (2.0 * 0.8**2))
     share /= share.sum()
     thin = float(np.sqrt(1.0 - share @ place**2))

@@ -1,0 +1,135 @@
+"""A whole simulated scan, as frames in memory or as a recording on disk with its truth beside it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from footscan.config import RecordingInfo, save_calibration, scanner_toml
+from footscan.config.recording_file import RecordingSide
+from footscan.coordinates import Floats, Frame, Ints, LaserName
+from footscan.errors import StorageError
+from footscan.optics.scanner import Sweep
+from footscan.scanning.recorder import RecordingWriter
+from footscan.sim.machine import TrueMachine, world_from_board
+from footscan.sim.motion import HeadMotion, SweepPlan, plan_motion, sample_encoder
+from footscan.sim.picture import DEFAULT_PICTURE, Painter, PictureSettings
+from footscan.sim.surface import Surface, trimesh_from_surface
+
+DEFAULT_PLAN = SweepPlan()
+
+
+@dataclass(frozen=True)
+class SimulatedFrame:
+    """A frame with its stamp and, which no real machine knows, the head angle at its exposure."""
+
+    frame: Frame
+    time_s: float
+    laser: LaserName
+    sweep: Sweep
+    theta_rad: float
+
+
+@dataclass(frozen=True)
+class SimulatedScan:
+    """A scan about to happen: who turns how, before what.
+
+    Attributes:
+        machine: The true machine.
+        surface: What stands on its board, in world millimetres.
+        motion: The head's way.
+        plan: What it was planned from.
+        picture: Light and sensor.
+        seed: Of speckle and noise.
+    """
+
+    machine: TrueMachine
+    surface: Surface
+    motion: HeadMotion
+    plan: SweepPlan
+    picture: PictureSettings
+    seed: int
+
+    def frames(self) -> Iterator[SimulatedFrame]:
+        """Take the frames, one at a time."""
+        painter = Painter(self.machine.calibration, self.surface, self.picture, self.seed)
+        number = 0
+        for (laser, sweep), exposure_s in zip(_sweeps(self.machine), self.motion.exposure_s, strict=True):
+            thetas = self.motion.theta_at(exposure_s)
+            for moment, theta in zip(exposure_s.tolist(), thetas.tolist(), strict=True):
+                frame = painter.paint(theta, laser, number)
+                yield SimulatedFrame(frame, moment + self.machine.calibration.latency_s, laser, sweep, theta)
+                number += 1
+
+    def counts(self) -> tuple[Floats, Ints]:
+        """The encoder's samples: times `(n,)` (s) and counts `(n,)`."""
+        return sample_encoder(self.motion, self.machine.calibration.encoder, self.plan)
+
+    @property
+    def frame_count(self) -> int:
+        """Frames of all sweeps."""
+        return sum(len(exposure_s) for exposure_s in self.motion.exposure_s)
+
+
+def prepare_scan(
+    machine: TrueMachine,
+    surface: Surface,
+    plan: SweepPlan = DEFAULT_PLAN,
+    picture: PictureSettings = DEFAULT_PICTURE,
+    seed: int = 0,
+) -> SimulatedScan:
+    """Set up a scan: the ccw sweep with its laser first, then the other way. `surface` stands on z = 0.
+
+    Raises:
+        InputError: A plan that no machine can run.
+    """
+    standing = surface.moved(world_from_board(machine.calibration.floor))
+    motion = plan_motion(tuple(sweep for _, sweep in _sweeps(machine)), plan, seed)
+    return SimulatedScan(machine, standing, motion, plan, picture, seed)
+
+
+def simulate_recording(
+    folder: Path,
+    scan: SimulatedScan,
+    side: RecordingSide = "none",
+    notes: str = "",
+    created: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Run a scan into a new recording folder, with `truth-calibration.toml` and `truth.stl` beside the frames.
+
+    Args:
+        folder: Made if it does not exist.
+        scan: What to record.
+        side: Of the foot.
+        notes: For recording.toml.
+        created: RFC 3339 moment; now if not given.
+        progress: Called with the frames done and all frames.
+
+    Raises:
+        RecordingError: The folder already holds a recording.
+        StorageError: The folder cannot be written.
+    """
+    created = created or datetime.now(UTC).isoformat(timespec="seconds")
+    info = RecordingInfo("scan", side, created, notes)
+    _make_folder(folder)
+    with RecordingWriter(folder, info, scanner_toml(scan.machine.scanner)) as writer:
+        writer.add_counts(*scan.counts())
+        for done, taken in enumerate(scan.frames(), start=1):
+            writer.add_frame(taken.frame, taken.time_s, taken.laser, taken.sweep)
+            if progress is not None:
+                progress(done, scan.frame_count)
+    save_calibration(replace(scan.machine.calibration, created=created), folder / "truth-calibration.toml")
+    trimesh_from_surface(scan.surface).export(folder / "truth.stl")
+
+
+def _sweeps(machine: TrueMachine) -> list[tuple[LaserName, Sweep]]:
+    lasers = sorted(machine.scanner.lasers, key=lambda laser: laser.sweep == "cw")
+    return [(laser.name, laser.sweep) for laser in lasers]
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as err:
+        raise StorageError(f"{folder} could not be made ({err.strerror}); choose another place.") from err
