@@ -1,0 +1,224 @@
+"""Foot measurements: `measure(mesh, side)` gives every value with what it is worth; `measurements_json` is its file form."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from footscan.coordinates import Floats, Side
+from footscan.errors import MeshError
+from footscan.foot.align import AXIS_WORDS, AxisName, align_foot
+from footscan.foot.catalogue import CATALOGUE, NOT_MEASURABLE, Entry, Reading
+from footscan.foot.landmarks import BY_HAND, NEEDS_HAND, RULES, Landmark, Landmarks, find_landmarks
+from footscan.foot.repair import repair_shell
+from footscan.foot.shell import Shell, shell_from_mesh
+from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
+from footscan.foot.standing import StandingFoot, stand
+from footscan.foot.units import check_foot_length
+
+FORMAT = "footscan-measurements/1"
+ORIGIN_UNKNOWN = "the origin of the skin is unknown: below 8 mm it is taken as not seen"
+UNSTATED = "unknown"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One value and what it is worth.
+
+    Attributes:
+        value: In `unit`, or None when there is none.
+        unit: mm, deg, cm3, cm2, or 1 for a ratio.
+        reliable: Whether the measuring can be relied on; it says nothing about the foot.
+        reason: Why not, or a note; may be empty.
+        interval: For girths: hull of the seen points alone ... hull with walls down to the board.
+        unusual: A remark against a named norm, None when there is none. It hides and blocks nothing.
+    """
+
+    value: float | None
+    unit: str
+    reliable: bool
+    reason: str
+    interval: tuple[float, float] | None = None
+    unusual: str | None = None
+
+
+@dataclass(frozen=True)
+class PlacedLandmark:
+    """A landmark `xyz` `(3,)` in the input's own coordinates (mm); `source` is auto or manual."""
+
+    xyz: Floats
+    source: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """Everything measured on one foot.
+
+    Attributes:
+        side: left or right, as used.
+        shape_side: What the shape looks like, None when it does not say.
+        axis: The definition of the foot axis used (A1, A2, A4 or A5).
+        load: As somebody said, else `unknown`.
+        origin_known: Whether the mesh says which skin was seen.
+        landmarks: Name -> landmark.
+        measurements: Name -> value.
+        not_measurable: What no scan on this machine gives, name -> why.
+        sizes: Indicative shoe sizes.
+        questions: What a person should answer.
+        remarks: What was repaired, cut or left out.
+        foot_from_input: 4x4 to the foot frame (x heel to toe, y medial, z up); a reflection for a left foot.
+    """
+
+    side: Side
+    shape_side: Side | None
+    axis: AxisName
+    load: str
+    origin_known: bool
+    landmarks: Mapping[str, PlacedLandmark]
+    measurements: Mapping[str, Measurement]
+    not_measurable: Mapping[str, str]
+    sizes: Mapping[str, float | str]
+    questions: tuple[str, ...]
+    remarks: tuple[str, ...]
+    foot_from_input: Floats
+
+    def __getitem__(self, name: str) -> Measurement:
+        """One measurement by its name."""
+        return self.measurements[name]
+
+
+def measure(
+    mesh: trimesh.Trimesh,
+    side: Side | None = None,
+    *,
+    axis: str = "A2",
+    landmarks: Mapping[str, Floats] | None = None,
+    load: str = UNSTATED,
+    absent: tuple[str, ...] = (),
+    norm: Norm = "adult",
+) -> Measurements:
+    """Measure a foot.
+
+    Args:
+        mesh: In mm, any heading, standing on z = 0 (the board). The vertex attribute `origin` says which skin was seen.
+        side: The operator's word; it wins over the shape. None takes the shape's side and asks.
+        axis: Foot axis: A1, A2 (default), A4 or A5.
+        landmarks: By hand, name -> `(3,)` in the mesh's own coordinates; they win over found ones.
+        load: How the foot was loaded; `unknown` unless somebody says so.
+        absent: Missing parts (`standing.PARTS`): toe_1 ... toe_5, toes, ray_1, ray_5, forefoot.
+        norm: Whom `unusual` compares with: adult, men, women, or none for children and declared deformities.
+
+    Raises:
+        MeshError: The mesh is no foot, or an argument is not allowed.
+    """
+    if norm not in NORMS:
+        raise MeshError(f"norm {norm!r}: allowed are {', '.join(NORMS)}")
+    given = _checked_landmarks(landmarks or {})
+    shell = shell_from_mesh(mesh)
+    _check_size(shell)
+    shell, remarks = repair_shell(shell)
+    alignment = align_foot(shell, side, axis, given)
+    foot = stand(shell, alignment, given, absent)
+    marks, missing = find_landmarks(foot)
+    values = {entry.name: _measured(entry, foot, marks, missing, norm) for entry in CATALOGUE}
+    length = values["foot_length"].value or alignment.length_mm
+    return Measurements(
+        side=alignment.side,
+        shape_side=alignment.shape_side,
+        axis=alignment.axis,
+        load=load,
+        origin_known=shell.origin is not None,
+        landmarks={name: _placed(mark, alignment.foot_from_input) for name, mark in marks.items()},
+        measurements=values,
+        not_measurable=NOT_MEASURABLE,
+        sizes=suggest_sizes(length),
+        questions=alignment.questions,
+        remarks=(*remarks, *foot.remarks, *(() if shell.origin is not None else (ORIGIN_UNKNOWN,))),
+        foot_from_input=alignment.foot_from_input,
+    )
+
+
+def definitions() -> dict[str, str]:
+    """Name -> one line of definition, of every landmark and measurement."""
+    return {item.name: item.definition for item in (*RULES, *CATALOGUE)}
+
+
+def measurements_json(result: Measurements) -> dict[str, object]:
+    """The file form (`footscan-measurements/1`): plain numbers, strings, lists and dictionaries."""
+    return {
+        "format": FORMAT,
+        "side": result.side,
+        "shape_side": result.shape_side,
+        "axis": result.axis,
+        "axis_definition": AXIS_WORDS[result.axis],
+        "load": result.load,
+        "origin_of_skin": "known" if result.origin_known else UNSTATED,
+        "landmarks": {
+            name: {"xyz": [float(x) for x in mark.xyz], "source": mark.source, "reason": mark.reason}
+            for name, mark in result.landmarks.items()
+        },
+        "measurements": {name: _measurement_json(value) for name, value in result.measurements.items()},
+        "not_measurable": dict(result.not_measurable),
+        "sizes": dict(result.sizes),
+        "questions": list(result.questions),
+        "remarks": list(result.remarks),
+        "foot_from_input": result.foot_from_input.tolist(),
+    }
+
+
+def _measurement_json(value: Measurement) -> dict[str, object]:
+    return {
+        "value": value.value,
+        "unit": value.unit,
+        "reliable": value.reliable,
+        "reason": value.reason,
+        "interval": None if value.interval is None else list(value.interval),
+        "unusual": value.unusual,
+    }
+
+
+def _measured(
+    entry: Entry, foot: StandingFoot, marks: Landmarks, missing: Mapping[str, str], norm: Norm
+) -> Measurement:
+    for name in entry.needs:
+        if name not in marks:
+            return Measurement(None, entry.unit, False, missing.get(name, f"{NEEDS_HAND}: {name} was not given"))
+    reading = entry.measure(foot, marks)
+    if not isinstance(reading, Reading):
+        return Measurement(None, entry.unit, False, reading)
+    doubts = [doubt for name in entry.needs for doubt in _doubts(marks[name], exempt=name in entry.exempt)]
+    doubts = list(dict.fromkeys([*doubts, *reading.doubts]))
+    notes = [ORIGIN_UNKNOWN] if reading.interval is not None and foot.shell.origin is None else []
+    unusual = unusual_remark(entry.name, reading.value, foot.alignment.length_mm, norm)
+    return Measurement(reading.value, entry.unit, not doubts, "; ".join([*doubts, *notes]), reading.interval, unusual)
+
+
+def _doubts(mark: Landmark, *, exempt: bool) -> list[str]:
+    return [doubt for doubt in mark.doubts if not (exempt and doubt.startswith(NEEDS_HAND))]
+
+
+def _placed(mark: Landmark, foot_from_input: Floats) -> PlacedLandmark:
+    xyz = foot_from_input[:3, :3].T @ (mark.xyz_foot - foot_from_input[:3, 3])
+    return PlacedLandmark(xyz, mark.source, "; ".join(mark.doubts))
+
+
+def _check_size(shell: Shell) -> None:
+    """Refuse a mesh in another unit before anything of it is joined or repaired."""
+    finite = shell.xyz[np.isfinite(shell.xyz).all(axis=1)]
+    if len(finite):
+        check_foot_length(float(np.ptp(finite[:, :2], axis=0).max()))
+
+
+def _checked_landmarks(landmarks: Mapping[str, Floats]) -> dict[str, Floats]:
+    known = {rule.name for rule in RULES} | set(BY_HAND)
+    given: dict[str, Floats] = {}
+    for name, xyz in landmarks.items():
+        point = np.asarray(xyz, dtype=np.float64)
+        if name not in known:
+            raise MeshError(f"landmark {name!r}: not known; allowed are {', '.join(sorted(known))}")
+        if point.shape != (3,) or not np.isfinite(point).all():
+            raise MeshError(f"landmark {name!r}: 3 finite numbers in the mesh's coordinates are needed")
+        given[name] = point
+    return given
