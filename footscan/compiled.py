@@ -3,12 +3,19 @@
 Nothing is compiled at import. `announce_compilation` tells a person why the first run takes longer.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core import event
+
+Real = float | np.floating[Any]
+"""A number inside a compiled loop, of whatever width."""
+Whole = int | np.integer[Any]
+"""A whole number inside a compiled loop, of whatever width."""
+Truth = bool | np.bool_
 
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., object])
 
@@ -23,7 +30,9 @@ def compiled(function: AnyFunction) -> AnyFunction:
 
 def compiled_inline(function: AnyFunction) -> AnyFunction:
     """Like `compiled`, for small functions called from inside other loops: not cached on their own."""
-    return cast("AnyFunction", numba.njit(nogil=True, error_model="numpy", fastmath=_FASTMATH, inline="always")(function))
+    return cast(
+        "AnyFunction", numba.njit(nogil=True, error_model="numpy", fastmath=_FASTMATH, inline="always")(function)
+    )
 
 
 class _FirstCompilation(event.Listener):
@@ -41,7 +50,7 @@ class _FirstCompilation(event.Listener):
 
 
 @contextmanager
-def announce_compilation(say: Callable[[str], None]) -> Iterator[None]:
+def announce_compilation(say: Callable[[str], None]) -> Generator[None]:
     """While active, call `say` once when a loop has to be compiled because the disk cache does not hold it."""
     listener = _FirstCompilation(say)
     with event.install_listener("numba:compile", listener):

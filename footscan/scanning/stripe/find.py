@@ -1,14 +1,14 @@
 """`find_stripe`: one frame in, sub-pixel stripe places and weights out."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from footscan.coordinates import Floats, Floats32, Frame
 from footscan.scanning.stripe.facet import border_kernels, line_kernels
-from footscan.scanning.stripe.neighbours import judge_points, row_starts, sort_by_pixel
-from footscan.scanning.stripe.ridge import RIDGE_COLUMNS, add_border_points, find_ridge_points
+from footscan.scanning.stripe.ridge import RIDGE_COLUMNS
 from footscan.scanning.stripe.threshold import automatic_threshold
+from footscan.scanning.stripe.trace import TRACE_COLUMNS, trace_stripe
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class StripeSettings:
         roundest: Largest curvature along the stripe relative to that across it (a round speck has 1).
         fewest_neighbours: Points within 5 px, itself included, below which a speck is no stripe.
         roughest_px: Largest RMS distance of the neighbours from their own quadratic.
+        end_px: A point whose brightness changes along the stripe needs a neighbour this far on both sides.
     """
 
     facet_sigma_px: float = 1.2
@@ -61,16 +62,17 @@ class StripeFinder:
 
     def __init__(self, settings: StripeSettings = DEFAULT_SETTINGS) -> None:
         self.settings = settings
-        sigma2 = settings.facet_sigma_px**2
-        self._lines = line_kernels(settings.facet_sigma_px)
-        self._cut = border_kernels(settings.facet_sigma_px)
+        variance = settings.facet_sigma_px**2
         narrow, wide = settings.sigma_px
-        self._limits = np.array(
-            [sigma2 + narrow**2, sigma2 + wide**2, settings.steepest_along, settings.roundest], dtype=np.float32
+        limits = (variance + narrow**2, variance + wide**2, settings.steepest_along, settings.roundest)
+        rules = (settings.fewest_neighbours, settings.end_px, settings.roughest_px, variance)
+        self._constants = (
+            line_kernels(settings.facet_sigma_px),
+            border_kernels(settings.facet_sigma_px),
+            np.array(limits, dtype=np.float32),
+            np.array(rules, dtype=np.float32),
         )
-        self._points = np.empty((0, RIDGE_COLUMNS), dtype=np.float32)
-        self._ordered = self._points
-        self._verdict = np.empty((0, 3), dtype=np.float32)
+        self._buffers = _buffers(0)
 
     def find(self, frame: Frame, threshold: int) -> Stripe:
         """Find the stripe of an upright frame `(height, width)` uint8 with a given threshold (0..255).
@@ -78,27 +80,19 @@ class StripeFinder:
         Raises:
             ValueError: The frame is not a two-dimensional array of bytes, or the threshold no byte.
         """
-        points, verdict = self._judged(_checked(frame), _checked_threshold(threshold))
-        settings = self.settings
-        keep = (verdict[:, 0] > 0.0) & (verdict[:, 2] < settings.roughest_px)
-        return _stripe(points[keep], verdict[keep], settings)
+        frame, threshold = _checked(frame), _checked_threshold(threshold)
+        capacity = 32 * (frame.shape[0] + frame.shape[1])
+        if len(self._buffers[0]) < capacity:
+            self._buffers = _buffers(capacity)
+        traced = self._buffers[3]
+        count = trace_stripe(frame, threshold, *self._constants, *self._buffers)
+        return Stripe(traced[:count, 0:2].copy(), *(traced[:count, k].copy() for k in (2, 3, 4)))
 
-    def _judged(self, frame: Frame, threshold: int) -> tuple[Floats32, Floats32]:
-        self._make_room(frame.shape)
-        count = find_ridge_points(frame, threshold, self._lines, self._limits, self._points)
-        count = add_border_points(frame, threshold, self._cut, self._limits, self._points, count)
-        starts = row_starts(self._points, count, frame.shape[0])
-        sort_by_pixel(self._points, count, starts, self._ordered)
-        fewest = self.settings.fewest_neighbours
-        judge_points(self._ordered, count, starts, frame.shape[1], fewest, self.settings.end_px, self._verdict)
-        return self._ordered[:count], self._verdict[:count]
 
-    def _make_room(self, shape: tuple[int, ...]) -> None:
-        capacity = 32 * (shape[0] + shape[1])
-        if len(self._points) < capacity:
-            self._points = np.empty((capacity, RIDGE_COLUMNS), dtype=np.float32)
-            self._ordered = np.empty_like(self._points)
-            self._verdict = np.empty((capacity, 3), dtype=np.float32)
+def _buffers(capacity: int) -> tuple[Floats32, Floats32, Floats32, Floats]:
+    points = np.empty((capacity, RIDGE_COLUMNS), dtype=np.float32)
+    verdict = np.empty((capacity, 3), dtype=np.float32)
+    return points, np.empty_like(points), verdict, np.empty((capacity, TRACE_COLUMNS))
 
 
 def find_stripe(frame: Frame, threshold: int | None = None) -> Stripe:
@@ -128,13 +122,3 @@ def _checked_threshold(threshold: int) -> int:
     if not 0 <= threshold <= 255:
         raise ValueError(f"a threshold lies between 0 and 255, found {threshold}")
     return int(threshold)
-
-
-def _stripe(points: Floats32, verdict: Floats32, settings: StripeSettings) -> Stripe:
-    shift = verdict[:, 1:2]
-    uv = (points[:, 0:2] + shift * points[:, 4:6]).astype(np.float64)
-    peak = points[:, 2].astype(np.float64)
-    sigma = np.sqrt(np.maximum(points[:, 3] - settings.facet_sigma_px**2, 0.0)).astype(np.float64)
-    sharp = np.minimum(1.0, 2.0 / np.maximum(sigma, 1e-6))
-    calm = 1.0 - verdict[:, 2].astype(np.float64) / settings.roughest_px
-    return Stripe(uv, np.minimum(peak / 200.0, 1.0) * sharp * calm, peak, sigma)

@@ -10,6 +10,7 @@ from footscan.compiled import compiled, compiled_inline
 from footscan.coordinates import Floats, Floats32, Ints
 
 REACH_PX = 5
+_FADING = 0.06  # 1/px: relative slope of the brightness along the stripe that marks an end
 _SLIP_PX = 1.0  # a neighbour this far across the stripe is another stripe
 _BOTH_SIDES_PX = 1.5
 _PARALLEL_PX = 4.0
@@ -62,7 +63,9 @@ def _first_from(points: Floats32, begin: int, end: int, u: float) -> int:
 
 
 @compiled
-def judge_points(points: Floats32, count: int, starts: Ints, width: int, fewest: int, end_px: float, verdict: Floats32) -> None:
+def judge_points(
+    points: Floats32, count: int, starts: Ints, width: int, fewest: int, end_px: float, verdict: Floats32
+) -> None:
     """For every point write (keep 0/1, shift across, residual RMS) from its neighbours along the stripe.
 
     Args:
@@ -71,6 +74,7 @@ def judge_points(points: Floats32, count: int, starts: Ints, width: int, fewest:
         starts: `row_starts`.
         width: Columns of the frame.
         fewest: Smallest number of points (itself included) within reach for a stripe.
+        end_px: A point whose brightness changes along the stripe needs a neighbour this far on both sides.
         verdict: `(>= count, 3)` result; the shift is px along the point's normal to the fitted quadratic.
     """
     height = starts.shape[0] - 1
@@ -97,7 +101,7 @@ def judge_points(points: Floats32, count: int, starts: Ints, width: int, fewest:
                     rival = True
                 j += 1
         inner = 4.0 < u < width - 5.0 and 4.0 < v < height - 5.0
-        is_end = inner and (lowest > -end_px or highest < end_px) and abs(points[i, 6]) > 0.06
+        is_end = inner and (lowest > -end_px or highest < end_px) and abs(points[i, 6]) > _FADING
         verdict[i, 0] = 0.0 if members < fewest or rival or is_end else 1.0
         _place_at_zero(sums, members, lowest < -_BOTH_SIDES_PX and highest > _BOTH_SIDES_PX, verdict[i])
 

@@ -1,0 +1,40 @@
+# One set of commands for laptops and CI. `make run` and `make test` set up all they need.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.PHONY: run test check format lint types bench clean
+
+run: $(STAMP)
+	$(BIN)/footscan demo --out out/demo
+
+test: $(STAMP)
+	$(BIN)/pytest -m "not slow and not hardware and not bench" tests
+
+check: lint types
+
+lint: $(STAMP)
+	$(BIN)/ruff format --check footscan tests
+	$(BIN)/ruff check footscan tests
+	$(BIN)/lint-imports
+
+types: $(STAMP)
+	$(BIN)/basedpyright
+
+format: $(STAMP)
+	$(BIN)/ruff format footscan tests
+	$(BIN)/ruff check --fix footscan tests
+
+bench: $(STAMP)
+	$(BIN)/footscan bench stripe
+	$(BIN)/footscan bench tables
+
+clean:
+	rm -rf $(VENV) out
+
+$(STAMP): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --upgrade pip
+	$(BIN)/pip install --quiet --editable '.[dev]'
+	touch $@

@@ -1,0 +1,84 @@
+"""`footscan bench ...`: speed and accuracy, each beside a baseline measured in the same run."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from footscan.cli.console import STDERR, STDOUT, print_json
+from footscan.compiled import announce_compilation
+from footscan.config import load_scanner
+from footscan.optics.scanner import Scanner
+from footscan.workflow import stripe_bench
+from footscan.workflow.designs import builtin_scanner
+
+bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)
+
+_TARGET_MS = {"582x500": 0.3, "1280x960": 0.6, "2448x2048": 1.8}
+_TARGET_RATIO = {"582x500": 1.3, "1280x960": 2.0, "2448x2048": 3.5}
+
+
+def _design(path: Path | None) -> Scanner:
+    return load_scanner(path) if path is not None else builtin_scanner("prototype")
+
+
+@bench_app.callback()
+def _bench() -> None:
+    """Speed and accuracy beside a baseline measured in the same run."""
+
+
+@bench_app.command("stripe")
+def bench_stripe(
+    frames: Annotated[int, typer.Option(help="Frames timed per size.", min=5, max=10000)] = 100,
+    scanner: Annotated[Path | None, typer.Option(help="scanner.toml; default: the paper's prototype.")] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Frame -> stripe -> table look-up against the plain way and the paper's, and the sub-pixel error."""
+    design = _design(scanner)
+    with announce_compilation(STDERR.print):
+        timings = stripe_bench.time_sizes(design, frames)
+        accuracy = [stripe_bench.measure_accuracy(angle) for angle in stripe_bench.ANGLES_DEG]
+        step = stripe_bench.measure_step()
+    if json_only:
+        ratios = [asdict(timing) | {"times_as_fast": timing.times_as_fast} for timing in timings]
+        print_json({"timings": ratios, "accuracy": [asdict(a) for a in accuracy], "step": asdict(step)})
+        return
+    STDOUT.print(_timing_table(timings))
+    STDOUT.print(_accuracy_table(accuracy))
+    STDOUT.print(
+        f"Step of 20 px: RMS {step.rms_px:.4f} px within 5 rows, {100 * step.share_within_006:.1f} % to 0.06, "
+        f"largest {step.largest_px:.3f} px, at most {step.most_rows_dropped} rows dropped (limit 3), {step.ghosts} ghosts"
+    )
+
+
+def _timing_table(timings: list[stripe_bench.Timing]) -> Table:
+    table = Table(title="ms per frame, one thread: minimum / median")
+    for column in ("size", "footscan", "target min", "plain way", "every pixel (paper)", "times as fast", "target"):
+        table.add_column(column, justify="right")
+    for t in timings:
+        pairs = [f"{a:.2f} / {b:.2f}" for a, b in (t.ours_ms, t.plain_ms, t.paper_ms)]
+        row = (t.size, pairs[0], f"{_TARGET_MS[t.size]}", pairs[1], pairs[2])
+        table.add_row(*row, f"{t.times_as_fast:.2f}", f"{_TARGET_RATIO[t.size]}")
+    return table
+
+
+def _accuracy_table(accuracy: list[stripe_bench.Accuracy]) -> Table:
+    table = Table(title="Error across a clean line (sigma 2 px, peak 200, background 10..30), px; target 0.04 RMS")
+    for column in ("direction of the normal", "points", "RMS", "largest"):
+        table.add_column(column, justify="right")
+    for a in accuracy:
+        table.add_row(f"{a.angle_deg:.0f} deg", str(a.points), f"{a.rms_px:.4f}", f"{a.largest_px:.3f}")
+    return table
+
+
+@bench_app.command("tables")
+def bench_tables(
+    scanner: Annotated[Path | None, typer.Option(help="scanner.toml; default: the paper's prototype.")] = None,
+) -> None:
+    """Building both calibration tables."""
+    design = _design(scanner)
+    for size, target_ms in (((582, 500), 10.0), ((2448, 2048), 200.0)):
+        low, middle = stripe_bench.time_tables(design, *size)
+        STDOUT.print(f"both tables {size[0]}x{size[1]}: {low:.1f} / {middle:.1f} ms (target {target_ms:.0f})")

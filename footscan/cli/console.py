@@ -1,0 +1,33 @@
+"""What commands share: a progress bar on standard error, results on standard output."""
+
+import json
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from footscan.compiled import announce_compilation
+from footscan.scanning.sweep import Progress as ProgressCallback
+
+STDERR = Console(stderr=True, highlight=False)
+STDOUT = Console(highlight=False)
+
+
+@contextmanager
+def progress_bar(what: str, quiet: bool) -> Generator[ProgressCallback]:
+    """A bar on standard error for work of known length; nothing with `quiet` or where nobody looks."""
+    if quiet or not STDERR.is_terminal:
+        with announce_compilation(lambda text: None if quiet else STDERR.print(text)):
+            yield lambda done, total: None
+        return
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=STDERR, transient=True) as bar, announce_compilation(STDERR.print):
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def print_json(value: dict[str, Any]) -> None:
+    """One JSON object on standard output and nothing else."""
+    print(json.dumps(value))

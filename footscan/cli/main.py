@@ -1,0 +1,47 @@
+"""`footscan ...`: the commands, and how errors end: one clear sentence on standard error and an exit status."""
+
+import os
+import sys
+import traceback
+
+import typer
+
+from footscan.cli.bench import bench_app
+from footscan.cli.info import info
+from footscan.cli.process import process
+from footscan.cli.simulate import simulate
+from footscan.errors import FootscanError
+
+app = typer.Typer(
+    name="footscan",
+    help="Laser foot scanner: scan, measure, customise.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+app.command()(process)
+app.command()(info)
+app.command()(simulate)
+app.add_typer(bench_app, name="bench")
+
+
+def run() -> None:
+    """Run the command line; exit status 0 done, 2 wrong use or bad input, 3 device trouble, 4 refused by a gate."""
+    try:
+        app()
+    except FootscanError as err:
+        print(f"footscan: {err}", file=sys.stderr)
+        sys.exit(err.exit_status)
+    except KeyboardInterrupt:
+        print("footscan: stopped; what was written before is complete.", file=sys.stderr)
+        sys.exit(130)
+    except Exception as err:  # noqa: BLE001  the last line of defence: nobody should have to read a traceback
+        if os.environ.get("FOOTSCAN_DEBUG"):
+            traceback.print_exc()
+        what = f"{type(err).__name__}: {err}"
+        print(f"footscan: internal error ({what}). Set FOOTSCAN_DEBUG=1, repeat, and report it.", file=sys.stderr)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    run()

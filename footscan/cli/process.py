@@ -1,0 +1,74 @@
+"""`footscan process`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from footscan.cli.console import STDOUT, print_json, progress_bar
+from footscan.config import load_calibration
+from footscan.coordinates import Side
+from footscan.scanning.filters import FilterKind, FilterSettings
+from footscan.scanning.recording import open_recording
+from footscan.scanning.sweep import SweepSettings
+from footscan.workflow.process import ObjectKind, ProcessSettings, process_recording
+from footscan.workflow.results import save_results
+
+
+def parse_threshold(text: str) -> int | None:
+    """`auto` or a grey value from 0 to 255.
+
+    Raises:
+        typer.BadParameter: Anything else.
+    """
+    if text == "auto":
+        return None
+    if text.isdecimal() and 0 <= int(text) <= 255:
+        return int(text)
+    raise typer.BadParameter(f"the threshold is {text!r}; allowed are auto or a grey value from 0 to 255.")
+
+
+def process(
+    recording: Annotated[Path, typer.Argument(help="Folder of a scan recording.")],
+    calibration: Annotated[Path, typer.Option(help="calibration.toml of the machine.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")],
+    threshold: Annotated[str, typer.Option(help="auto, or a grey value: a pixel counts when above it.")] = "auto",
+    picture_filter: Annotated[
+        FilterKind, typer.Option("--filter", help="Filter on the pictures before the stripe is looked for.")
+    ] = "off",
+    filter_size: Annotated[int, typer.Option(help="Median filter: 3 or 5 px.")] = 3,
+    filter_sigma: Annotated[float, typer.Option(help="Gaussian filter: 0.3 to 3 px.")] = 0.8,
+    side: Annotated[Side | None, typer.Option(help="Side of the foot; default: the recording's.")] = None,
+    kind: Annotated[ObjectKind, typer.Option("--object", help="What stands on the board.")] = "foot",
+    one_laser: Annotated[
+        bool, typer.Option("--one-laser", help="Accept a scan of which one laser is missing.")
+    ] = False,
+    json_only: Annotated[bool, typer.Option("--json", help="Print scan.json and nothing else.")] = False,
+) -> None:
+    """Turn a recording into points in millimetres (and pictures to look at)."""
+    sweep = SweepSettings(parse_threshold(threshold), FilterSettings(picture_filter, filter_size, filter_sigma))
+    settings = ProcessSettings(sweep, kind, side, one_laser)
+    machine = load_calibration(calibration)
+    with progress_bar("frames", quiet=json_only) as progress:
+        result = process_recording(open_recording(recording), machine, settings, progress)
+        report = save_results(result, settings, out)
+    if json_only:
+        print_json(report)
+    else:
+        _tell(report, out)
+
+
+def _tell(report: dict[str, Any], out: Path) -> None:
+    frames, points = report["frames"], report["points"]
+    rejected = "".join(f", {count} rejected: {reason}" for reason, count in frames["rejected"].items())
+    STDOUT.print(f"{frames['seen']} frames, {frames['used']} used{rejected}; threshold {report['threshold']}")
+    STDOUT.print(f"{points['kept']} points kept ({points['kept_right']} right laser, {points['kept_left']} left laser)")
+    for zone in report["agreement"]:
+        if zone["median_mm"] is not None:
+            STDOUT.print(
+                f"  {zone['zone']:8} right minus left {zone['median_mm']:+.3f} mm median, "
+                f"{zone['rms_mm']:.3f} mm RMS over {zone['overlap_area_mm2'] / 100:.0f} cm2"
+            )
+    for remark in report["remarks"]:
+        STDOUT.print(f"Remark: {remark}")
+    STDOUT.print(f"Results in {out}: points.ply, preview.png, scan.json ({sum(report['seconds'].values()):.1f} s)")

@@ -1,0 +1,5 @@
+"""`footscan simulate`."""
+
+
+def simulate() -> None:
+    """Placeholder."""

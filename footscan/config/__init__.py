@@ -1,0 +1,22 @@
+"""Typed settings: the only place that reads TOML. Files are validated by pydantic; frozen dataclasses come out."""
+
+from footscan.config.board import Board, load_board
+from footscan.config.calibration_file import calibration_toml, load_calibration, save_calibration
+from footscan.config.recording_file import RecordingInfo, Subject, load_recording_info, recording_toml
+from footscan.config.scanner_file import load_scanner, scanner_toml
+from footscan.config.toml_file import file_kind
+
+__all__ = [
+    "Board",
+    "RecordingInfo",
+    "Subject",
+    "calibration_toml",
+    "file_kind",
+    "load_board",
+    "load_calibration",
+    "load_recording_info",
+    "load_scanner",
+    "recording_toml",
+    "save_calibration",
+    "scanner_toml",
+]

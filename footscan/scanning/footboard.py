@@ -1,0 +1,79 @@
+"""The footboard: taken out of the cloud, and compared with the calibrated floor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from footscan.coordinates import Bools, Floats
+from footscan.geometry.plane import Plane, fit_plane
+from footscan.scanning.cloud import Cloud
+
+BOARD_MARGIN_MM = 2.0
+"""Points lower than this above the floor are the board, or light that runs from the skin on to the board."""
+LARGEST_OFFSET_MM = 0.3
+LARGEST_TILT_DEG = 0.1
+_VISIBLE_BOARD_MM = 3.0
+_FEWEST_POINTS = 500
+
+
+@dataclass(frozen=True)
+class BoardCheck:
+    """The visible board against the calibrated floor.
+
+    Attributes:
+        points: Board points used; 0 when too little of the board was seen.
+        offset_mm: Height of the visible board above the calibrated floor at the axis.
+        tilt_deg: Angle between them.
+        rms_mm: Residual of the board points to their own plane.
+        remark: A sentence when a limit is exceeded or the check was impossible, else empty.
+    """
+
+    points: int
+    offset_mm: float | None
+    tilt_deg: float | None
+    rms_mm: float | None
+    remark: str
+
+
+def height_above(floor: Plane, xyz_world: Floats) -> Floats:
+    """Height `(n,)` in mm of `(n, 3)` points above the calibrated floor."""
+    return floor.distance_mm(xyz_world)
+
+
+def check_board(cloud: Cloud, floor: Plane) -> BoardCheck:
+    """Fit the board where it is seen beside the foot, twice (the second time without outliers), and compare."""
+    height = height_above(floor, cloud.xyz_world)
+    board = cloud.xyz_world[np.abs(height) < _VISIBLE_BOARD_MM]
+    away = board[_far_from_foot(board, cloud.xyz_world[height > _VISIBLE_BOARD_MM])]
+    if len(away) < _FEWEST_POINTS or np.linalg.svd(away[:, :2] - away[:, :2].mean(0), compute_uv=False)[1] < 100.0:
+        return BoardCheck(len(away), None, None, None, "too little of the footboard was seen to check it")
+    plane = fit_plane(away)
+    residual = plane.distance_mm(away)
+    plane = fit_plane(away[np.abs(residual) <= 3.0 * np.median(np.abs(residual)) + 0.02])
+    # height of the plane over the axis, above the floor there
+    n, f = plane.normal_array, floor.normal_array
+    offset_mm = plane.offset_mm / n[2] - floor.offset_mm / f[2]
+    tilt_deg = float(np.degrees(np.arccos(min(1.0, float(n @ f)))))
+    rms_mm = float(np.sqrt(np.mean(plane.distance_mm(away) ** 2)))
+    return BoardCheck(len(away), float(offset_mm), tilt_deg, rms_mm, _remark(float(offset_mm), tilt_deg))
+
+
+def _far_from_foot(board: Floats, foot: Floats) -> Bools:
+    """Board points at least 8 mm (in plan) from any cell that holds a foot point."""
+    cell = 4.0
+    taken = np.zeros((128, 128), dtype=bool)
+    place = np.clip(np.floor(foot[:, :2] / cell).astype(int) + 64, 2, 125)
+    for du in range(-2, 3):
+        for dv in range(-2, 3):
+            taken[place[:, 0] + du, place[:, 1] + dv] = True
+    own = np.clip(np.floor(board[:, :2] / cell).astype(int) + 64, 0, 127)
+    return ~taken[own[:, 0], own[:, 1]]
+
+
+def _remark(offset_mm: float, tilt_deg: float) -> str:
+    if abs(offset_mm) <= LARGEST_OFFSET_MM and tilt_deg <= LARGEST_TILT_DEG:
+        return ""
+    return (
+        f"the footboard lies {offset_mm:+.2f} mm and {tilt_deg:.2f} degrees off the calibrated floor "
+        f"(allowed {LARGEST_OFFSET_MM} mm and {LARGEST_TILT_DEG} degrees): check the board, then recalibrate"
+    )

@@ -1,0 +1,50 @@
+"""points.ply: the cleaned cloud, binary little-endian."""
+
+from pathlib import Path
+
+import numpy as np
+
+from footscan.config.toml_file import write_whole
+from footscan.errors import InputError
+from footscan.scanning.cloud import Cloud
+
+_ROW = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("laser", "u1"), ("weight", "<f4")])
+_PROPERTIES = (
+    "property float x",
+    "property float y",
+    "property float z",
+    "property uchar laser",
+    "property float weight",
+)
+
+
+def save_points(cloud: Cloud, path: Path, comment: str) -> None:
+    """Write `(n, 3)` world points (mm) with `laser` (0 right, 1 left) and `weight`, whole or not at all."""
+    rows = np.empty(len(cloud), dtype=_ROW)
+    for k, name in enumerate("xyz"):
+        rows[name] = cloud.xyz_world[:, k]
+    rows["laser"], rows["weight"] = cloud.laser, cloud.weight
+    lines = ["ply", "format binary_little_endian 1.0", f"comment {comment}", f"element vertex {len(cloud)}"]
+    header = "\n".join([*lines, *_PROPERTIES, "end_header", ""])
+    write_whole(path, header.encode("ascii", "replace") + rows.tobytes())
+
+
+def load_points(path: Path) -> Cloud:
+    """Read a cloud written by `save_points`; its frame numbers are unknown (-1).
+
+    Raises:
+        InputError: The file is missing, cut or another kind of PLY.
+    """
+    try:
+        head, body = path.read_bytes().split(b"end_header\n", 1)
+    except (OSError, ValueError) as err:
+        raise InputError(f"{path} is no point cloud of footscan ({err}); process the recording again.") from err
+    lines = head.decode("ascii", "replace").splitlines()
+    count = next((int(line.split()[2]) for line in lines if line.startswith("element vertex")), -1)
+    if [line for line in lines if line.startswith("property")] != list(_PROPERTIES) or len(
+        body
+    ) != count * _ROW.itemsize:
+        raise InputError(f"{path} is cut or was written by another program; process the recording again.")
+    rows = np.frombuffer(body, dtype=_ROW)
+    xyz_world = np.column_stack([rows[name] for name in "xyz"]).astype(np.float64)
+    return Cloud(xyz_world, rows["laser"].astype(np.int64), rows["weight"].copy(), np.full(count, -1))

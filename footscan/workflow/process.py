@@ -1,0 +1,213 @@
+"""`footscan process`: a recording in, a cloud (and with it a foot) out. Nothing here draws on a screen."""
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+import footscan
+from footscan.coordinates import LASER_NAMES, LaserName, Side
+from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
+from footscan.optics.calibration import Calibration, fingerprint
+from footscan.optics.tables import LightTable, build_table
+from footscan.scanning.agreement import ZoneAgreement, agreement_by_zone, find_overlap, merge_lasers
+from footscan.scanning.cleaning import clean_cloud
+from footscan.scanning.cloud import Cloud, cloud_from_matrix
+from footscan.scanning.footboard import BoardCheck, check_board
+from footscan.scanning.recording import Recording
+from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_frames
+
+ObjectKind = Literal["foot", "last"]
+FEWEST_POINTS = 2000
+
+
+@dataclass(frozen=True)
+class ProcessSettings:
+    """What may be chosen: how frames become points, what the object is, and what the operator says of it."""
+
+    sweep: SweepSettings = field(default_factory=SweepSettings)
+    kind: ObjectKind = "foot"
+    side: Side | None = None
+    one_laser: bool = False
+
+
+@dataclass(frozen=True)
+class ScanResult:
+    """A processed scan: the cleaned, merged cloud and everything scan.json reports."""
+
+    recording: Recording
+    calibration: Calibration
+    sweep: SweepResult
+    cloud: Cloud
+    removed: Counter[str]
+    agreement: list[ZoneAgreement]
+    board: BoardCheck
+    remarks: list[str]
+    seconds: dict[str, float]
+
+
+class Stages:
+    """Seconds per stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str) -> Generator[None]:
+        """Time what happens inside."""
+        begin = time.perf_counter()
+        yield
+        self.seconds[name] = round(time.perf_counter() - begin, 4)
+
+
+def build_tables(calibration: Calibration) -> dict[LaserName, LightTable]:
+    """Both calibration tables."""
+    return {name: build_table(calibration, name) for name in LASER_NAMES}
+
+
+def check_machine(recording: Recording, calibration: Calibration) -> None:
+    """Refuse a calibration that cannot be of the machine that made the recording.
+
+    Raises:
+        MachineMismatchError: Both name a machine and the names differ.
+        InputError: The picture sizes differ.
+    """
+    machine, calibrated = recording.scanner.machine_id, calibration.machine_id
+    if machine is not None and calibrated is not None and machine != calibrated:
+        raise MachineMismatchError(
+            f"the recording comes from machine {machine!r}, the calibration is of machine {calibrated!r}; "
+            "use the calibration of the machine that made the recording."
+        )
+    own, other = recording.scanner.camera, calibration.camera
+    if (own.width_px, own.height_px) != (other.width_px, other.height_px):
+        raise InputError(
+            f"the recording's pictures are {own.width_px} x {own.height_px}, the calibration is for "
+            f"{other.width_px} x {other.height_px}; use the calibration of this camera setting."
+        )
+
+
+def process_recording(
+    recording: Recording,
+    calibration: Calibration,
+    settings: ProcessSettings,
+    progress: Progress = lambda done, total: None,
+) -> ScanResult:
+    """Turn a scan recording into a cleaned cloud.
+
+    Raises:
+        InputError: The recording or the calibration does not fit (exit status 2).
+        EmptyScanError: No stripe, or too little of one (exit status 4).
+    """
+    if recording.info.kind != "scan":
+        raise RecordingError(
+            f"{recording.folder} is a {recording.info.kind} recording; process needs a scan, "
+            "a calibration recording goes to footscan calibrate."
+        )
+    check_machine(recording, calibration)
+    stages = Stages()
+    with stages.stage("tables"):
+        tables = build_tables(calibration)
+    with stages.stage("frames"):
+        sweep = sweep_frames(recording, calibration, tables, settings.sweep, progress)
+    remarks = _both_lasers(recording, sweep, settings.one_laser)
+    with stages.stage("world"):
+        whole = cloud_from_matrix(sweep.matrix, tables)
+    with stages.stage("board"):
+        board = check_board(whole, calibration.floor)
+    with stages.stage("clean"):
+        cloud, removed = clean_cloud(whole, calibration.floor)
+    if len(cloud) < FEWEST_POINTS:
+        raise EmptyScanError(
+            f"{len(cloud)} points are left of {len(whole)} stripe points, at least {FEWEST_POINTS} make an object; "
+            "check that something stands on the board, the threshold and the exposure, and scan again."
+        )
+    with stages.stage("agreement"):
+        agreement = agreement_by_zone(cloud, find_overlap(cloud))
+        cloud = merge_lasers(cloud)
+    remarks += [board.remark] if board.remark else []
+    return ScanResult(recording, calibration, sweep, cloud, removed, agreement, board, remarks, stages.seconds)
+
+
+def _both_lasers(recording: Recording, sweep: SweepResult, one_laser: bool) -> list[str]:
+    """Refuse a scan in which a laser is missing, unless that was allowed; then it is a remark.
+
+    Raises:
+        EmptyScanError: No stripe of either laser, or of one and that was not allowed.
+        RecordingError: Only one laser has frames and that was not allowed.
+    """
+    points = points_per_laser(sweep)
+    frames = Counter(record.laser for record in recording.frames)
+    if sum(points.values()) == 0:
+        raise EmptyScanError(
+            f"no stripe was found in {sweep.accounting.used} frames at threshold {sweep.threshold} "
+            f"({sum(sweep.accounting.rejected.values())} frames rejected{_why(sweep)}); "
+            "check lasers, exposure and threshold."
+        )
+    remarks: list[str] = []
+    for name in LASER_NAMES:
+        if points[name]:
+            continue
+        what = (
+            f"no stripe of the {name} laser in {frames[name]} frames"
+            if frames[name]
+            else f"no frame of the {name} laser"
+        )
+        if not one_laser:
+            kind = EmptyScanError if frames[name] else RecordingError
+            raise kind(f"{what}: half of the foot was not seen. Scan again, or allow one laser with --one-laser.")
+        remarks.append(f"{what}; the result rests on one laser")
+    return remarks
+
+
+def _why(sweep: SweepResult) -> str:
+    reasons = ", ".join(f"{count} x {reason}" for reason, count in sweep.accounting.rejected.most_common(3))
+    return f": {reasons}" if reasons else ""
+
+
+def points_per_laser(sweep: SweepResult) -> dict[LaserName, int]:
+    """Stripe points inside the working volume, per laser."""
+    matrix = sweep.matrix
+    return {name: int(matrix.points_per_frame[matrix.laser == code].sum()) for code, name in enumerate(LASER_NAMES)}
+
+
+def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]:
+    """The content of scan.json (`footscan-scan/1`)."""
+    accounting, board = result.sweep.accounting, result.board
+    report: dict[str, Any] = {
+        "format": "footscan-scan/1",
+        "recording": str(result.recording.folder),
+        "side": settings.side or result.recording.info.side,
+        "subject": asdict(result.recording.info.subject),
+        "object": settings.kind,
+        "frames": {"seen": accounting.seen, "used": accounting.used, "rejected": dict(accounting.rejected)},
+        "rejected_frames": accounting.details,
+        "points": {
+            "right": points_per_laser(result.sweep)["right"],
+            "left": points_per_laser(result.sweep)["left"],
+            "outside_working_volume": accounting.points_outside_volume,
+            "removed": dict(result.removed),
+            "kept": len(result.cloud),
+            "kept_right": int((result.cloud.laser == 0).sum()),
+            "kept_left": int((result.cloud.laser == 1).sum()),
+        },
+        "threshold": result.sweep.threshold,
+        "threshold_source": "automatic" if settings.sweep.threshold is None else "given",
+        "filter": asdict(settings.sweep.picture_filter),
+        "stripe": asdict(settings.sweep.stripe),
+        "agreement": [asdict(zone) for zone in result.agreement],
+        "floor_check": asdict(board),
+        "remarks": result.remarks,
+        "seconds": result.seconds,
+        "calibration": {
+            "sha256": fingerprint(result.calibration),
+            "created": result.calibration.created,
+            "machine_id": result.calibration.machine_id,
+        },
+        "versions": {"footscan": footscan.__version__, "python": sys.version.split()[0], "numpy": np.__version__},
+    }
+    return report
