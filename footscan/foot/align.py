@@ -1,7 +1,8 @@
 """Find the foot in a mesh or cloud, whatever its heading: heel, toes, side, foot axis and foot frame.
 
-The foot frame has x from heel to toe along the foot axis, y medial, z up; its origin is the foot of the vertical through the
-pternion on the board. z = 0 stays the board of the input: a foot that does not stand flat is not pushed down.
+The foot frame has x from heel to toe along the foot axis, y medial, z up; its origin is the foot of the
+vertical through the pternion on the board. z = 0 stays the board of the input: a foot that does not stand flat
+is not pushed down.
 """
 
 from collections.abc import Mapping
@@ -39,7 +40,8 @@ OUTLINE_HEIGHT_SHARE = 0.16
 """The outline from above is that of the skin below this share of the length (43 mm of 270): no ankle, no leg."""
 HEEL_BREADTH_SHARE = 0.16
 TOE_2_SHARE = 0.42
-"""Without a hand the second toe is where the front of the outline lies this share of the ball breadth from the medial side."""
+"""Without a hand the second toe is where the front of the outline lies this share of the ball breadth from the
+medial side."""
 _SURE_SCORE = 0.06
 
 

@@ -11,10 +11,10 @@ from typing import Literal
 import numpy as np
 
 from footscan.coordinates import Floats
+from footscan.foot.clip import cut_below
 from footscan.foot.girth import Girth, find_smallest, measure_girth
 from footscan.foot.landmarks import Landmark, Landmarks
 from footscan.foot.sections import tape_girth_mm
-from footscan.foot.clip import cut_below
 from footscan.foot.shell import SEEN, area_mm2, volume_mm3
 from footscan.foot.standing import VOLUME_HEIGHT_SHARE, StandingFoot
 

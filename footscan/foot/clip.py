@@ -1,5 +1,7 @@
 """Cutting a shell off at a height, with a flat top."""
 
+import itertools
+
 import numpy as np
 
 from footscan.coordinates import Bytes, Floats, Ints
@@ -53,7 +55,7 @@ def close_rim(shell: Shell, rim: Ints, origin: int) -> Shell:
         origin: Class of the middle of each new piece of skin; the rim keeps its own.
     """
     order, begins = chain_segments(np.ascontiguousarray(rim[:, 0]), np.ascontiguousarray(rim[:, 1]))
-    loops = [rim[order[a:b]] for a, b in zip(begins[:-1], begins[1:], strict=True)]
+    loops = [rim[order[a:b]] for a, b in itertools.pairwise(begins)]
     middles = np.array([shell.xyz[loop[:, 0]].mean(axis=0) for loop in loops]).reshape(-1, 3)
     fans = [
         np.column_stack([_closed(loop), np.full(len(_closed(loop)), len(shell.xyz) + k)])

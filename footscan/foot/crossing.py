@@ -48,8 +48,8 @@ def chain_segments(start: Ints, end: Ints) -> tuple[Ints, Ints]:
         end: `(k,)` key of the edge where it ends.
 
     Returns:
-        `(k,)` segments in order, and `(loops + 1,)` where each chain begins. Open chains come first; an edge shared by more
-        than two faces is used once per pair.
+        `(k,)` segments in order, and `(loops + 1,)` where each chain begins. Open chains come first; an edge
+        shared by more than two faces is used once per pair.
     """
     count = len(start)
     order = np.argsort(start, kind="mergesort")

@@ -1,14 +1,15 @@
 """Tape girths and what is not known about them.
 
-The machine does not see the skin near the board. A girth therefore has an interval: from the hull of the seen points alone
-to the hull with vertical walls from the lowest seen skin down to the board.
+The machine does not see the skin near the board. A girth therefore has an interval: from the hull of the seen
+points alone to the hull with vertical walls from the lowest seen skin down to the board.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import OptimizeResult, minimize_scalar
 
 from footscan.coordinates import Bools, Floats
 from footscan.foot.crossing import hull_perimeter_mm
@@ -77,8 +78,9 @@ def find_smallest(
     values = np.array([measure(float(place)) for place in places])
     k = int(values.argmin())
     around = (float(places[max(k - 1, 0)]), float(places[min(k + 1, steps - 1)]))
-    found = minimize_scalar(measure, bounds=around, method="bounded", options={"xatol": 1e-4 * (band[1] - band[0])})
-    place, value = float(found.x), float(found.fun)
+    options = {"xatol": 1e-4 * (band[1] - band[0])}
+    found = cast("OptimizeResult", minimize_scalar(measure, bounds=around, method="bounded", options=options))
+    place, value = float(found["x"]), float(found["fun"])
     if value >= values[k]:
         place, value = float(places[k]), float(values[k])
     flat = min(values[0], values[-1]) - value < _FLAT * value
@@ -86,7 +88,8 @@ def find_smallest(
 
 
 def _wall_points(shell: Shell, length_mm: float, origin: Floats, normal: Floats) -> Floats:
-    """Where the plane crosses vertical walls below the lowest seen skin: `(n, 3)` on the board and between it and the skin.
+    """Where the plane crosses vertical walls below the lowest seen skin: `(n, 3)` on the board and between it
+    and the skin.
 
     A wall below a triangle is a prism; its cut is the hull of the crossings of the prism's edges: the triangle's own
     crossings (already in the cut), those of its shadow on the board, and those of the vertical edges.

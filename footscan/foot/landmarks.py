@@ -1,7 +1,7 @@
 """Landmarks of a standing foot: one rule each, in one place; a landmark given by hand wins.
 
-Windows are shares of the foot length. What bone decides (metatarsal heads, navicular, sphyria, toes 2 to 5) can only be felt:
-found on the skin it is a stand-in and says so, or it is not offered at all.
+Windows are shares of the foot length. What bone decides (metatarsal heads, navicular, sphyria, toes 2 to 5)
+can only be felt: found on the skin it is a stand-in and says so, or it is not offered at all.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,7 +22,8 @@ INSTEP_SHARE = 0.50
 TOE_1_SIDE_SHARE, TOE_5_SIDE_SHARE = 0.90, 0.80
 MALLEOLUS_BAND = (0.19, 0.41)
 CHORD_TOP_SHARE = 0.34
-"""Where no bulge stands out, the ankle is sought off the chord up to this share of the length, however high the leg goes."""
+"""Where no bulge stands out, the ankle is sought off the chord up to this share of the length, however high
+the leg goes."""
 MALLEOLUS_WINDOW = (0.15, 0.35)
 JUNCTION_BAND_RAD = (np.radians(25.0), np.radians(60.0))
 _CLEAR_BULGE_SHARE = 0.001
@@ -223,7 +224,8 @@ def _outermost(foot: StandingFoot, height_mm: float, sign: float) -> Floats:
 
 
 def _bulge_of_profile(heights: Floats, points: Floats, sign: float, length_mm: float) -> Landmark | Missing:
-    """The highest bulge of a profile outward: its most outward level, or, without one, where it rises most off its chord."""
+    """The highest bulge of a profile outward: its most outward level, or, without one, where it rises most off
+    its chord."""
     out = sign * points[:, 1]
     if not np.isfinite(out).all():
         return "not seen: the level cuts at the ankle are empty"

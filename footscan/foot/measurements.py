@@ -1,4 +1,5 @@
-"""Foot measurements: `measure(mesh, side)` gives every value with what it is worth; `measurements_json` is its file form."""
+"""Foot measurements: `measure(mesh, side)` gives every value with what it is worth; `measurements_json` is its
+file form."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

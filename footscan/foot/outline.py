@@ -9,7 +9,8 @@ from footscan.foot.crossing import convex_hull
 from footscan.foot.shell import Shell
 
 CAP_SHARE = 0.01
-"""Depth, as a share of foot length, of the cap whose middle stands for a tangent point: a flat curve has no sharp extreme."""
+"""Depth, as a share of foot length, of the cap whose middle stands for a tangent point: a flat curve has no
+sharp extreme."""
 MTH1_WINDOW = (0.62, 0.80)
 MTH5_WINDOW = (0.52, 0.72)
 
@@ -70,7 +71,8 @@ def _centroid(xy: Floats) -> Floats:
 
 
 def find_heel(outline: Outline, length_mm: float) -> Extreme:
-    """The pternion seen from above: rearmost x, and y in the middle of the cap behind the chord at 1 % of the length."""
+    """The pternion seen from above: rearmost x, and y in the middle of the cap behind the chord at 1 % of the
+    length."""
     rear = float(outline.xy[:, 0].min())
     middle = _centroid(beyond(outline.xy, np.array([-1.0, 0.0]), -(rear + CAP_SHARE * length_mm)))
     return Extreme(np.array([rear, middle[1]]), int(outline.vertex[outline.xy[:, 0].argmin()]), at_end=False)
@@ -114,7 +116,8 @@ def side_at(xy: Floats, x: Floats, sign: float) -> Floats:
 
 
 def medial_tangent(outline: Outline, length_mm: float) -> Floats:
-    """Unit direction `(2,)`, heel to toe, of the outline's edge that bridges the medial arch (at 45 % of the length)."""
+    """Unit direction `(2,)`, heel to toe, of the outline's edge that bridges the medial arch (at 45 % of the
+    length)."""
     x = float(outline.xy[:, 0].min()) + 0.45 * length_mm
     a, b = outline.xy, np.roll(outline.xy, -1, axis=0)
     bridge = int(np.flatnonzero((a[:, 0] >= x) & (b[:, 0] < x))[0])

@@ -1,5 +1,6 @@
 """Meshes as they come: what can be repaired is repaired and said so, what is no foot is refused."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,8 @@ _CRUMB_SHARE = 0.05
 """A loose piece with less than this share of the largest piece's area is dropped; a larger one is another object."""
 _MERGE_MM = 1e-4
 _LARGEST_HOLE_SHARE = 0.25
-"""A hole whose rim is longer than this share of the horizontal extent, and is neither sole nor top, is reported as large."""
+"""A hole whose rim is longer than this share of the horizontal extent, and is neither sole nor top, is
+reported as large."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,9 @@ def repair_shell(shell: Shell) -> tuple[Shell, list[str]]:
 
 
 def _without_bad_faces(shell: Shell, remarks: list[str]) -> Shell:
-    finite = np.isfinite(shell.xyz).all(axis=1)
+    finite = np.append(np.isfinite(shell.xyz).all(axis=1), False)
     known = (shell.faces >= 0) & (shell.faces < len(shell.xyz))
-    good = (known & finite[np.where(known, shell.faces, 0)]).all(axis=1) if len(finite) else np.zeros(0, dtype=np.bool_)
+    good = np.logical_and.reduce(finite[np.where(known, shell.faces, -1)], axis=1)
     if not good.any():
         raise MeshError("no triangle with finite corners: nothing to measure; export the mesh again")
     bad = int((~good).sum())
@@ -143,7 +145,7 @@ def _without_holes(shell: Shell, remarks: list[str]) -> Shell:
     if len(rim) == 0:
         return shell
     order, begins = chain_segments(np.ascontiguousarray(rim[:, 0]), np.ascontiguousarray(rim[:, 1]))
-    for a, b in zip(begins[:-1], begins[1:], strict=True):
+    for a, b in itertools.pairwise(begins):
         loop = rim[order[a:b]]
         origin, words = _kind_of_hole(shell, shell.xyz[loop[:, 0]])
         shell = close_rim(shell, loop, origin)

@@ -95,7 +95,8 @@ def stack_csv(stack: Sequence[NamedSection]) -> str:
 
 
 def sections_dxf(stack: Sequence[NamedSection]) -> str:
-    """The outlines as 3-D polylines of a DXF R12 drawing in mm, each section on a layer of its own (`SECTION_050_0`)."""
+    """The outlines as 3-D polylines of a DXF R12 drawing in mm, each section on a layer of its own
+    (`SECTION_050_0`)."""
     lines = [
         "0",
         "SECTION",

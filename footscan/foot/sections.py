@@ -1,5 +1,7 @@
-"""Cuts of a foot by planes: outlines, areas, perimeters, tape girths, widths and heights, and what of them was never seen."""
+"""Cuts of a foot by planes: outlines, areas, perimeters, tape girths, widths and heights, and what of them was
+never seen."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +17,9 @@ from footscan.foot.shell import Shell, shell_from_mesh
 class Cut:
     """The bare crossing of a plane with a shell.
 
-    `xyz` `(k, 2, 3)` segments, `seen` `(k, 2)` whether each end lies on seen skin, `keys` `(k, 2)` names of the mesh edges
-    at the ends, equal where segments join. The body is on the left of each segment, seen from where the normal points.
+    `xyz` `(k, 2, 3)` segments, `seen` `(k, 2)` whether each end lies on seen skin, `keys` `(k, 2)` names of
+    the mesh edges at the ends, equal where segments join. The body is on the left of each segment, seen from
+    where the normal points.
     """
 
     xyz: Floats
@@ -63,7 +66,8 @@ def cut_shell(shell: Shell, origin: Floats, normal: Floats) -> Cut:
 
 
 def plane_axes(normal: Floats) -> tuple[Floats, Floats]:
-    """Unit u (level) and v of a plane with unit `normal` `(3,)`; u x v = normal up to the sign that points v upwards."""
+    """Unit u (level) and v of a plane with unit `normal` `(3,)`; u x v = normal up to the sign that points v
+    upwards."""
     level = np.array([normal[1], -normal[0], 0.0])
     size = float(np.linalg.norm(level))
     if size < 1e-6:
@@ -171,7 +175,7 @@ def _area_and_centroid(uv: Floats, handedness: float) -> tuple[float, Floats]:
 def _polylines(cut: Cut) -> tuple[tuple[Floats, ...], bool]:
     """The chains as points `(k, 3)`; a closed one repeats its first point at the end."""
     order, begins = chain_segments(np.ascontiguousarray(cut.keys[:, 0]), np.ascontiguousarray(cut.keys[:, 1]))
-    chains = [order[a:b] for a, b in zip(begins[:-1], begins[1:], strict=True)]
+    chains = [order[a:b] for a, b in itertools.pairwise(begins)]
     lines = tuple(np.vstack([cut.xyz[chain, 0], cut.xyz[chain[-1], 1]]) for chain in chains)
     closed = all(cut.keys[chain[0], 0] == cut.keys[chain[-1], 1] for chain in chains)
     return lines, closed

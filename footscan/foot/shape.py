@@ -70,8 +70,8 @@ def check_shape(shell: Shell, heading: Heading) -> None:
 def side_score(shell: Shell, outline: Outline, heading: Heading) -> float:
     """How much the left-hand side (seen along the heading) is the medial one: positive for a right foot.
 
-    Three signs, each as a share of the size: the ridge of the instep lies medially, the ball stands out further forward on
-    the medial side, and the foremost toe lies medially.
+    Three signs, each as a share of the size: the ridge of the instep lies medially, the ball stands out
+    further forward on the medial side, and the foremost toe lies medially.
     """
     ahead = turned(outline, heading.xy_forward, mirrored=False)
     rear, length = float(ahead.xy[:, 0].min()), heading.length_mm

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from numpy.typing import ArrayLike
 
 from footscan.coordinates import Bools, Bytes, Floats, Ints
 
@@ -11,7 +12,8 @@ SEEN, BRIDGED, ASSUMED_SOLE, CUT = 0, 1, 2, 3
 """Values of the vertex attribute `origin`: where a piece of skin comes from."""
 
 NEVER_SEEN_BELOW_MM = 8.0
-"""Without a known origin, skin lower than this is taken as not seen (ray-cast: 35 % seen at 4-6 mm, 70 % at 8-10 mm)."""
+"""Without a known origin, skin lower than this is taken as not seen (ray-cast: 35 % seen at 4-6 mm, 70 % at
+8-10 mm)."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ def shell_from_mesh(mesh: trimesh.Trimesh) -> Shell:
 
 def mesh_from_shell(shell: Shell) -> trimesh.Trimesh:
     """A trimesh of the arrays, with the attribute `origin` where it is known."""
-    attributes = {} if shell.origin is None else {"origin": shell.origin}
+    attributes: dict[str, ArrayLike] = {} if shell.origin is None else {"origin": shell.origin}
     return trimesh.Trimesh(shell.xyz, shell.faces, process=False, vertex_attributes=attributes)
 
 

@@ -1,4 +1,5 @@
-"""What is usual: shoe sizes for a foot length, and the norm a measurement is compared with. All numbers are in norms.json."""
+"""What is usual: shoe sizes for a foot length, and the norm a measurement is compared with. All numbers are in
+norms.json."""
 
 import json
 from collections.abc import Mapping

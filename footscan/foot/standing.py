@@ -40,7 +40,8 @@ class StandingFoot:
     Attributes:
         shell: Skin in the foot frame, cut at `CUT_HEIGHT_SHARE`.
         alignment: Where it was found.
-        length_mm: The length that search windows scale with: the foot's own, or, when the front is missing, at least what
+        length_mm: The length that search windows scale with: the foot's own, or, when the front is missing, at
+        least what
             the heel breadth leads one to expect.
         top_mm: Height of the highest skin.
         uncut_z: Heights of the vertices before the cut, as the outline counts them.
