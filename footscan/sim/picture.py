@@ -33,7 +33,7 @@ class PictureSettings:
         laser_distance_mm: From the axis, along the sheet.
         laser_height_mm: Above the board.
         sheet_sigma_mm: Half width of the sheet (standard deviation) on a surface facing it.
-        layers: Thin sheets the sheet is made of; an odd number.
+        layers: Thin sheets the sheet is made of: 1, or at least 5.
         skin_grey: Grey value of laser light on skin that faces the laser at the axis, before the blur.
         board_grey: The same for the footboard.
         spread_share: Share of the light that comes back from inside the skin.
