@@ -1,0 +1,144 @@
+"""Closed, oriented, manifold mesh of a spline tube: skin on a regular grid, a flat sole and a flat cut triangulated within."""
+
+from dataclasses import dataclass
+
+import manifold3d
+import numpy as np
+from scipy.spatial import Delaunay, cKDTree
+
+from footscan.coordinates import Bools, Floats, Ints
+from footscan.errors import MeshError
+from footscan.foot.nurbs import SplineTube
+
+_CLEAR = 0.6  # of a facet: how far points within a flat part keep from its outline
+
+
+@dataclass(frozen=True)
+class SkinMesh:
+    """Vertices, facets and where on the skin each vertex lies.
+
+    Attributes:
+        xyz_mm: `(n, 3)`; first the skin row by row, then the sole's and the cut's inner points.
+        facets: `(m, 3)` outward.
+        u: `(k,)` parameters of the skin vertices, k <= n.
+        v: Same.
+        count_around: Vertices in each row of the skin.
+        count_sole: Inner vertices of the sole; the cut's follow.
+    """
+
+    xyz_mm: Floats
+    facets: Ints
+    u: Floats
+    v: Floats
+    count_around: int
+    count_sole: int
+
+
+def build_skin_mesh(tube: SplineTube, facet_mm: float) -> SkinMesh:
+    """Mesh a tube whose first row lies on the board and whose last lies in the cut.
+
+    Args:
+        tube: The fitted surface.
+        facet_mm: Wanted length of facet edges.
+
+    Raises:
+        MeshError: The outline of the sole or of the cut crosses itself.
+    """
+    around, up = grid_counts(tube, facet_mm)
+    u, v = np.arange(around) / around, np.linspace(0.0, 1.0, up)
+    skin = tube.grid(u, v)
+    ring = np.arange(around)
+    sole_xy, sole_facets = fill_outline(skin[0, :, :2], facet_mm, "sole")
+    cut_xy, cut_facets = fill_outline(skin[-1, :, :2], facet_mm, "cut")
+    first_cut = around * up + len(sole_xy)
+    sole_ids = np.concatenate([ring, around * up + np.arange(len(sole_xy))])
+    cut_ids = np.concatenate([around * (up - 1) + ring, first_cut + np.arange(len(cut_xy))])
+    facets = np.concatenate([skin_facets(around, up), sole_ids[sole_facets][:, ::-1], cut_ids[cut_facets]])
+    xyz = np.concatenate([skin.reshape(-1, 3), _at_height(sole_xy, skin[0, 0, 2]), _at_height(cut_xy, skin[-1, 0, 2])])
+    return SkinMesh(xyz, facets, np.tile(u, up), np.repeat(v, around), around, len(sole_xy))
+
+
+def grid_counts(tube: SplineTube, facet_mm: float) -> tuple[int, int]:
+    """Vertices around and rows up for a facet size."""
+    coarse = tube.grid(np.linspace(0.0, 1.0, 121), np.linspace(0.0, 1.0, 61))
+    around = np.linalg.norm(np.diff(coarse, axis=1), axis=2).sum(axis=1)
+    up = np.linalg.norm(np.diff(coarse, axis=0), axis=2).sum(axis=0)
+    return max(24, round(float(np.percentile(around, 90)) / facet_mm)), max(12, round(float(np.percentile(up, 90)) / facet_mm))
+
+
+def skin_facets(around: int, up: int) -> Ints:
+    """Facets `(2 * around * (up - 1), 3)` of a closed band of rows; outward when rows run counter-clockwise and upwards."""
+    row, column = np.meshgrid(np.arange(up - 1), np.arange(around), indexing="ij")
+    here, beside = (row * around + column).ravel(), (row * around + (column + 1) % around).ravel()
+    return np.concatenate([np.stack([here, beside, beside + around], 1), np.stack([here, beside + around, here + around], 1)])
+
+
+def fill_outline(xy: Floats, facet_mm: float, what: str) -> tuple[Floats, Ints]:
+    """Triangulate a flat closed outline, counter-clockwise, with points of its own within.
+
+    Args:
+        xy: `(k, 2)` outline, counter-clockwise.
+        facet_mm: Spacing of the inner points.
+        what: Name used in the message.
+
+    Returns:
+        Inner points `(m, 2)` and facets into outline followed by inner points.
+
+    Raises:
+        MeshError: The outline crosses itself.
+    """
+    inner = _inner_points(xy, facet_mm)
+    facets = _delaunay_facets(xy, inner)
+    if _fills(facets, len(xy)):
+        return inner, facets
+    plain = np.asarray(manifold3d.triangulate([xy.copy()]), dtype=np.int64)
+    if _fills(plain, len(xy)):
+        return np.empty((0, 2)), plain
+    raise MeshError(f"the outline of the {what} crosses itself; scan again or filter the cloud more strongly")
+
+
+def _inner_points(xy: Floats, facet_mm: float) -> Floats:
+    low, high = xy.min(axis=0), xy.max(axis=0)
+    x, y = np.meshgrid(np.arange(low[0], high[0], facet_mm), np.arange(low[1], high[1], facet_mm * np.sqrt(0.75)))
+    x[1::2] += 0.5 * facet_mm
+    points = np.stack([x.ravel(), y.ravel()], axis=1)
+    points = points[inside_outline(points, xy)]
+    if not len(points):
+        return np.empty((0, 2))
+    return points[cKDTree(xy).query(points)[0] > _CLEAR * facet_mm]
+
+
+def _delaunay_facets(xy: Floats, inner: Floats) -> Ints:
+    points = np.concatenate([xy, inner])
+    facets = Delaunay(points).simplices.astype(np.int64)
+    facets = facets[inside_outline(points[facets].mean(axis=1), xy)]
+    a, b, c = points[facets[:, 0]], points[facets[:, 1]], points[facets[:, 2]]
+    left = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0.0
+    return np.where(left[:, None], facets, facets[:, ::-1])
+
+
+def _fills(facets: Ints, ring: int) -> bool:
+    """Whether the boundary of a triangulation is exactly the ring 0 .. ring - 1."""
+    edges = facets[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    size = int(facets.max()) + 1
+    keys, twins = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
+    border = np.sort(keys[~np.isin(keys, twins)])
+    wanted = np.arange(ring) * size + (np.arange(ring) + 1) % ring
+    return len(np.unique(keys)) == len(keys) and np.array_equal(border, np.sort(wanted))
+
+
+def inside_outline(points: Floats, xy: Floats) -> Bools:
+    """Whether `(n, 2)` points lie within a closed outline `(k, 2)` (even-odd rule)."""
+    ahead = np.roll(xy, -1, axis=0)
+    inside = np.zeros(len(points), bool)
+    for a, b in zip(xy, ahead, strict=True):
+        between = (a[1] > points[:, 1]) != (b[1] > points[:, 1])
+        if not between.any():
+            continue
+        cross = a[0] + (points[between, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        inside[between] ^= points[between, 0] < cross
+    return inside
+
+
+def _at_height(xy: Floats, z_mm: float) -> Floats:
+    return np.column_stack([xy, np.full(len(xy), z_mm)])

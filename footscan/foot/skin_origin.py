@@ -1,0 +1,80 @@
+"""Which skin was seen: decided from the measured points alone, by closing the cloud over gaps as wide as its stripes lie apart.
+
+A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by the same radius
+along the skin. Gaps between neighbouring stripes close, the border of the seen region stays where the last points are.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from footscan.coordinates import Bools, Floats, Ints
+
+_PROBES = 4000
+_PROBE_RADIUS = 6.0
+_REACH = 0.8  # of the stripe spacing: two stripes whose gap is closed may lie 1.6 spacings apart
+_RADIUS_MM = (1.2, 3.2)
+
+
+class Origin(IntEnum):
+    """Where a part of the surface comes from."""
+
+    SEEN = 0
+    BRIDGED = 1
+    ASSUMED_SOLE = 2
+    CUT = 3
+
+
+@dataclass(frozen=True)
+class StripeSpacing:
+    """Local distance between laser stripes, at some of the points.
+
+    Attributes:
+        probes_mm: `(p, 3)` points.
+        spacing_mm: `(p,)`.
+    """
+
+    probes_mm: Floats
+    spacing_mm: Floats
+
+    def at(self, xyz_mm: Floats) -> Floats:
+        """Spacing `(n,)` at places: the closest of the three nearest probes, since probes at a border see only half."""
+        _, which = cKDTree(self.probes_mm).query(xyz_mm, k=min(3, len(self.probes_mm)), workers=-1)
+        return self.spacing_mm[which.reshape(len(xyz_mm), -1)].min(axis=1)
+
+
+def find_stripe_spacing(xyz_mm: Floats, tree: cKDTree) -> StripeSpacing:
+    """Estimate the stripe spacing from the density of points and their distance along a stripe.
+
+    Args:
+        xyz_mm: `(n, 3)` measured points.
+        tree: A tree of them.
+    """
+    step = max(1, len(xyz_mm) // _PROBES)
+    probes = xyz_mm[::step]
+    along = float(np.median(tree.query(probes, k=2, workers=-1)[0][:, 1]))
+    counts = np.asarray(tree.query_ball_point(probes, _PROBE_RADIUS, return_length=True, workers=-1), dtype=np.float64)
+    return StripeSpacing(probes, np.pi * _PROBE_RADIUS**2 / (counts * max(along, 1e-3)))
+
+
+def find_covered(xyz_mm: Floats, tree: cKDTree, radius_mm: Floats) -> Bools:
+    """Whether each place `(n, 3)` of a surface lies on skin that the points of a tree cover, see the module's text."""
+    near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
+    if near.all() or not near.any():
+        return near
+    gap = cKDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
+    near[near] = gap > radius_mm[near]
+    return near
+
+
+def closing_radius_mm(spacing: StripeSpacing, xyz_mm: Floats) -> Floats:
+    """Radius `(n,)` that closes the gaps between neighbouring stripes at places on the surface."""
+    return np.clip(_REACH * spacing.at(xyz_mm), *_RADIUS_MM)
+
+
+def classify(covered: Bools, v: Floats, lowest_v: Floats) -> Ints:
+    """Class `(n,)` of skin places: seen where covered, else assumed sole below the lowest seen skin and bridged above."""
+    unseen = np.where(v < lowest_v, int(Origin.ASSUMED_SOLE), int(Origin.BRIDGED))
+    return np.where(covered, int(Origin.SEEN), unseen)
