@@ -20,7 +20,7 @@ Truth = bool | np.bool_
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., object])
 
 
-_FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # NaN and infinity keep their meaning
+_FASTMATH = {"contract"}  # fused multiply-add only: NaN must keep its meaning
 
 
 def compiled(function: AnyFunction) -> AnyFunction:

@@ -9,7 +9,7 @@ import typer
 from footscan.cli.bench import bench_app
 from footscan.cli.info import info
 from footscan.cli.process import process
-from footscan.cli.simulate import simulate
+from footscan.cli.simulate import demo, simulate
 from footscan.errors import FootscanError
 
 app = typer.Typer(
@@ -22,6 +22,7 @@ app = typer.Typer(
 app.command()(process)
 app.command()(info)
 app.command()(simulate)
+app.command()(demo)
 app.add_typer(bench_app, name="bench")
 
 

@@ -7,6 +7,9 @@ import numpy as np
 from footscan.coordinates import Floats
 
 
+_WIDEST = 4.0  # a distorted radius more than this times the undistorted one is no lens
+
+
 @dataclass(frozen=True)
 class Camera:
     """Internal parameters; the paper's symbols stand behind each field.
@@ -67,7 +70,7 @@ def distorted_from_undistorted(yz_image: Floats, camera: Camera) -> Floats:
         r2 = radius_d**2
         slope = 1.0 + 3.0 * k1 * r2 + 5.0 * k2 * r2**2
         step = (radius_d * (1.0 + k1 * r2 + k2 * r2**2) - radius_u) / np.where(slope > 0.05, slope, 0.05)
-        radius_d = radius_d - step
+        radius_d = np.clip(radius_d - step, 0.0, _WIDEST * radius_u)
         if np.all(np.abs(step) <= 1e-15 * (1.0 + radius_u)):
             break
     residual = radius_d * (1.0 + k1 * radius_d**2 + k2 * radius_d**4) - radius_u

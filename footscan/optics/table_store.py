@@ -32,7 +32,7 @@ def load_tables(path: Path, calibration: Calibration) -> dict[LaserName, LightTa
         StaleTableError: The tables belong to another calibration.
     """
     try:
-        with np.load(path, allow_pickle=False) as content:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as content:
             kind, made_for = str(content["format"]), str(content["calibration_sha256"])
             arrays = {name: content[name] for name in LASER_NAMES}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as err:

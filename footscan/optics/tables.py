@@ -102,7 +102,7 @@ def _read_between_pixels(table: Floats32, uv: Floats, result: Floats) -> None:
         result[i, 1] = np.nan
         if not (0.0 <= u <= width - 1 and 0.0 <= v <= height - 1):
             continue
-        column, row = min(int(u), width - 2), min(int(v), height - 2)
+        column, row = int(u), int(v)
         a, b = u - column, v - row
         if 1 <= column < width - 2 and 1 <= row < height - 2:
             wa0, wa1 = ((2.0 - a) * a - 1.0) * a * 0.5, ((3.0 * a - 5.0) * a * a + 2.0) * 0.5
@@ -116,10 +116,11 @@ def _read_between_pixels(table: Floats32, uv: Floats, result: Floats) -> None:
                 weight = wb0 if j == 0 else wb1 if j == 1 else wb2 if j == 2 else wb3
                 x += weight * (wa0 * line[c, 0] + wa1 * line[c + 1, 0] + wa2 * line[c + 2, 0] + wa3 * line[c + 3, 0])
                 y += weight * (wa0 * line[c, 1] + wa1 * line[c + 1, 1] + wa2 * line[c + 2, 1] + wa3 * line[c + 3, 1])
-            if np.isfinite(x):
+            if np.isfinite(x) and np.isfinite(y):
                 result[i, 0], result[i, 1] = x, y
                 continue
+        right, below = (1 if a > 0.0 else 0), (1 if b > 0.0 else 0)  # a neighbour of weight 0 may be NaN
         for k in range(2):
-            top = (1.0 - a) * table[row, column, k] + a * table[row, column + 1, k]
-            bottom = (1.0 - a) * table[row + 1, column, k] + a * table[row + 1, column + 1, k]
+            top = (1.0 - a) * table[row, column, k] + a * table[row, column + right, k]
+            bottom = (1.0 - a) * table[row + below, column, k] + a * table[row + below, column + right, k]
             result[i, k] = (1.0 - b) * top + b * bottom

@@ -93,7 +93,7 @@ def load_scan_matrix(path: Path, calibration_sha256: str) -> ScanMatrix:
         StaleTableError: It was made with another calibration: its millimetres are not this machine's.
     """
     try:
-        with np.load(path, allow_pickle=False) as content:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as content:
             stored = {name: content[name] for name in ("format", "calibration_sha256", "frame", "start", "point")}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as err:
         raise RecordingError(f"{path} is no complete scan matrix ({err}); process the recording again.") from err

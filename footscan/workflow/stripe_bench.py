@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from footscan.coordinates import LASER_NAMES, Floats, Frame
 from footscan.optics.calibration import Calibration, EncoderScale, Pose
@@ -112,7 +113,8 @@ class Timing:
 def time_sizes(scanner: Scanner, frames: int = 100) -> list[Timing]:
     """Time frame -> stripe -> table look-up, one thread, threshold given, for the three sizes."""
     cv2.setNumThreads(1)
-    return [_time_size(machine_of_size(scanner, *size), frames) for size in SIZES]
+    with threadpool_limits(1):  # the plain way's matrix product would otherwise use all cores
+        return [_time_size(machine_of_size(scanner, *size), frames) for size in SIZES]
 
 
 def _time_size(machine: Calibration, frames: int) -> Timing:

@@ -49,7 +49,7 @@ class StripeSettings:
     sigma_px: tuple[float, float] = (0.4, 4.5)
     steepest_along: float = 0.35
     roundest: float = 0.35
-    fewest_neighbours: int = 6
+    fewest_neighbours: int = 5
     roughest_px: float = 0.35
     end_px: float = 0.7
 

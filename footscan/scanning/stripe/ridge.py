@@ -23,7 +23,7 @@ across, relative slope along."""
 # Unsigned offsets: Numba wraps signed indices around like Python, which costs a test at every read.
 _U1, _U2, _U3 = np.uint64(1), np.uint64(2), np.uint64(3)
 _BLOCK_PX = 128
-_OUTSIDE_PIXEL = 0.55  # px: a ridge further from the pixel's centre belongs to a neighbour
+_OUTSIDE_PIXEL = 0.55  # px along the row or column, whichever crosses the ridge: further away it is a neighbour's
 _WORTH_A_LOOK = 0.8  # px: the same for the first guess
 _RING_PX = 3
 
@@ -97,7 +97,7 @@ def add_border_points(
 def _border_point(frame: Bytes, row: int, column: int, cut: Floats32, limits: Floats32, point: Floats32) -> int:
     facet = _cut_facet(frame, row, column, cut)
     found, offset, nu, nv, variance, _, _, along = _crossing(facet, limits)
-    if not found or abs(offset * nu) > _OUTSIDE_PIXEL or abs(offset * nv) > _OUTSIDE_PIXEL:
+    if not found or abs(offset) > _OUTSIDE_PIXEL * max(abs(nu), abs(nv)):
         return 0
     _write(point, row, column, offset, facet[0], variance, nu, nv, along)
     return 1
@@ -198,7 +198,7 @@ def _crossing(facet: Facet, limits: Floats32) -> Crossing:
     if variance < limits[0] or variance > limits[1] or abs(slope_along) > limits[2]:
         return nothing
     offset = slope * variance / g
-    near = abs(offset * nu) <= _WORTH_A_LOOK and abs(offset * nv) <= _WORTH_A_LOOK
+    near = abs(offset) <= _WORTH_A_LOOK * max(abs(nu), abs(nv))
     return near, offset, nu, nv, variance, slope, across, slope_along
 
 
@@ -244,7 +244,7 @@ def _ridge_point(
         there = np.uint64(row_there) * stride + np.uint64(column_there)
         slope_there = _slope_across(flat, there, stride, lines, nu, nv)
         offset = _root_across(slope, across, slope_there, step_u * nu + step_v * nv, offset)
-    if abs(offset * nu) > _OUTSIDE_PIXEL or abs(offset * nv) > _OUTSIDE_PIXEL:
+    if abs(offset) > _OUTSIDE_PIXEL * max(abs(nu), abs(nv)):
         return 0
     _write(point, row, column, offset, facet[0], variance, nu, nv, along)
     return 1

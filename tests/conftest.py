@@ -1,0 +1,67 @@
+"""Fixtures shared by all rooms: shared data when it is there, a simulated scan that the project makes itself."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from footscan.config import load_calibration
+from footscan.optics.calibration import Calibration
+from footscan.optics.scanner import Scanner, calibration_from_design
+from footscan.workflow.designs import builtin_scanner
+from footscan.workflow.simulate import SimulateSettings, simulate_scan
+
+
+@pytest.fixture(scope="session")
+def shared_dir() -> Path:
+    place = os.environ.get("FOOTSCAN_SHARED")
+    if not place or not (Path(place) / "data").is_dir():
+        pytest.skip("FOOTSCAN_SHARED does not name the shared data")
+    return Path(place)
+
+
+@pytest.fixture(scope="session")
+def prototype() -> Scanner:
+    return builtin_scanner("prototype")
+
+
+@pytest.fixture(scope="session")
+def ideal(prototype: Scanner) -> Calibration:
+    return calibration_from_design(prototype)
+
+
+@pytest.fixture(scope="session")
+def small_scan(tmp_path_factory: pytest.TempPathFactory, prototype: Scanner) -> Path:
+    """A recording of the built-in foot on a workshop machine, 48 frames a sweep; never written to."""
+    folder = tmp_path_factory.mktemp("simulated") / "scan"
+    simulate_scan(prototype, SimulateSettings("foot", seed=3, frames_per_sweep=48), folder, lambda done, total: None)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def workshop(small_scan: Path) -> Calibration:
+    """The true calibration of the machine of `small_scan`: nothing about it is ideal."""
+    return load_calibration(small_scan / "truth-calibration.toml")
+
+
+@pytest.fixture
+def scan_copy(small_scan: Path, tmp_path: Path) -> Path:
+    """A copy of `small_scan` to break."""
+    return Path(shutil.copytree(small_scan, tmp_path / "scan"))
+
+
+@pytest.fixture
+def edit_csv() -> Callable[[Path, Callable[[list[str]], list[str]]], None]:
+    def edit(path: Path, change: Callable[[list[str]], list[str]]) -> None:
+        lines = path.read_text().splitlines()
+        path.write_text("\n".join([lines[0], *change(lines[1:])]) + "\n")
+
+    return edit
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(11)
