@@ -14,10 +14,12 @@ class Cut:
 
     Attributes:
         pieces: `(n, 7)`: x0, y0, x1, y1 (mm, in the light system) and the face's unit normal (light system).
+        face: `(n,)` index of the face each piece lies on; -1 for none.
         start: `(layers + 1,)` first piece of each layer.
     """
 
     pieces: Floats
+    face: Ints
     start: Ints
 
 
@@ -35,9 +37,9 @@ def cut_mesh(xyz_light: Floats, faces: Ints, layers_mm: Floats) -> Cut:
     candidates = np.empty(len(faces), dtype=np.int64)
     count = _faces_between(xyz_light, faces, layers_mm[0], layers_mm[-1], candidates)
     pieces = np.empty((count * len(layers_mm), 7))
-    start = np.zeros(len(layers_mm) + 1, dtype=np.int64)
-    _cut_layers(xyz_light, faces, candidates[:count], layers_mm, pieces, start)
-    return Cut(pieces[: start[-1]], start)
+    face, start = np.empty(len(pieces), dtype=np.int64), np.zeros(len(layers_mm) + 1, dtype=np.int64)
+    _cut_layers(xyz_light, faces, candidates[:count], layers_mm, pieces, face, start)
+    return Cut(pieces[: start[-1]], face[: start[-1]], start)
 
 
 @compiled
@@ -52,7 +54,9 @@ def _faces_between(xyz: Floats, faces: Ints, low: float, high: float, candidates
 
 
 @compiled
-def _cut_layers(xyz: Floats, faces: Ints, candidates: Ints, layers: Floats, pieces: Floats, start: Ints) -> None:
+def _cut_layers(
+    xyz: Floats, faces: Ints, candidates: Ints, layers: Floats, pieces: Floats, face: Ints, start: Ints
+) -> None:
     count = 0
     for k in range(layers.shape[0]):
         start[k] = count
@@ -70,6 +74,7 @@ def _cut_layers(xyz: Floats, faces: Ints, candidates: Ints, layers: Floats, piec
             piece = pieces[count]
             piece[0], piece[1] = _on_edge(xyz, lone, second, layers[k])
             piece[2], piece[3] = _on_edge(xyz, lone, third, layers[k])
+            face[count] = i
             if _write_normal(xyz, a, b, c, piece):
                 count += 1
     start[layers.shape[0]] = count

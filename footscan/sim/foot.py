@@ -89,7 +89,10 @@ def build_foot(shape: FootShape | None = None) -> Surface:
     low, high = np.array([-6.0, -62.0, -4.0]), np.array([272.0, 66.0, top + 5.0])
     steps = (step / np.sqrt(shape.size) for step in _GRID_STEPS_MM)
     feet = (mesh_field(field, low, high, step) for step in steps)
-    return _in_world(next(foot for foot in feet if is_closed(foot.faces)), shape)
+    closed = next((foot for foot in feet if is_closed(foot.faces)), None)
+    if closed is None:
+        raise InputError(f"the built-in foot cannot be meshed at size {shape.size:g}; choose a size 0.01 beside it.")
+    return _in_world(closed, shape)
 
 
 def _check(shape: FootShape) -> None:

@@ -250,4 +250,5 @@ def _cut_board(floor: Floats, axis_light: Floats, layers_mm: Floats, radius_mm: 
         ends = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
         pieces.append(np.column_stack([ends, np.broadcast_to(normal, (len(ends), 3))]))
         start.append(start[-1] + len(ends))
-    return Cut(np.ascontiguousarray(np.concatenate(pieces)), np.array(start, dtype=np.int64))
+    joined = np.ascontiguousarray(np.concatenate(pieces))
+    return Cut(joined, np.full(len(joined), -1), np.array(start, dtype=np.int64))

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+import numpy as np
+
 from footscan.config import RecordingInfo, save_calibration, scanner_toml
 from footscan.config.recording_file import RecordingSide
 from footscan.coordinates import Floats, Frame, Ints, LaserName
@@ -15,6 +17,7 @@ from footscan.sim.machine import TrueMachine, world_from_board
 from footscan.sim.motion import HeadMotion, SweepPlan, plan_motion, sample_encoder
 from footscan.sim.picture import DEFAULT_PICTURE, Painter, PictureSettings
 from footscan.sim.surface import Surface, trimesh_from_surface
+from footscan.sim.visibility import count_sheets
 
 DEFAULT_PLAN = SweepPlan()
 
@@ -94,6 +97,7 @@ def simulate_recording(
     side: RecordingSide = "none",
     notes: str = "",
     created: str | None = None,
+    with_seen: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
     """Run a scan into a new recording folder, with `truth-calibration.toml` and `truth.stl` beside the frames.
@@ -104,6 +108,7 @@ def simulate_recording(
         side: Of the foot.
         notes: For recording.toml.
         created: RFC 3339 moment; now if not given.
+        with_seen: Also write `truth-seen.npy`: how many sheets, 0 to 2, can light and show each face of `truth.stl`.
         progress: Called with the frames done and all frames.
 
     Raises:
@@ -121,6 +126,8 @@ def simulate_recording(
                 progress(done, scan.frame_count)
     save_calibration(replace(scan.machine.calibration, created=created), folder / "truth-calibration.toml")
     trimesh_from_surface(scan.surface).export(folder / "truth.stl")
+    if with_seen:
+        np.save(folder / "truth-seen.npy", count_sheets(scan.machine.calibration, scan.surface, scan.picture))
 
 
 def _sweeps(machine: TrueMachine) -> list[tuple[LaserName, Sweep]]:

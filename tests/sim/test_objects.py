@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from footscan.errors import InputError
-from footscan.sim.objects import OBJECT_NAMES, build_ball_bar, build_object, build_plate
+from footscan.sim.objects import OBJECT_NAMES, build_ball_bar, build_cylinder, build_object, build_plate
 from footscan.sim.surface import LONGEST_EDGE_MM, surface_from_trimesh, trimesh_from_surface
 
 
@@ -66,3 +66,11 @@ def test_balls_of_the_bar_stand_as_far_apart_as_said():
 
     assert np.linalg.norm(right.mean(axis=0) - left.mean(axis=0)) == pytest.approx(150.0, abs=0.01)
     assert np.allclose(np.linalg.norm(right - [75.0, 0.0, 60.0], axis=1), 20.0)
+
+
+def test_cylinder_is_a_closed_body_of_its_formula():
+    mesh = trimesh_from_surface(build_cylinder(40.0, 120.0))
+
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(np.pi * 40.0**2 * 120.0, rel=2e-4)
+    assert np.allclose(mesh.bounds, [[-40.0, -40.0, 0.0], [40.0, 40.0, 120.0]])
