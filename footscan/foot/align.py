@@ -14,17 +14,19 @@ import numpy as np
 from footscan.coordinates import Floats, Side
 from footscan.errors import MeshError
 from footscan.foot.outline import (
+    HEEL_BREADTH_SHARE,
     MTH1_WINDOW,
     MTH5_WINDOW,
     Outline,
     find_bulge,
     find_heel,
     find_outline,
+    length_from_heel,
     medial_tangent,
     side_at,
     turned,
 )
-from footscan.foot.shape import check_shape, rough_heading, side_score
+from footscan.foot.shape import check_shape, is_stump, rough_heading, side_score
 from footscan.foot.shell import Shell
 
 AxisName = Literal["A1", "A2", "A4", "A5"]
@@ -38,11 +40,14 @@ AXIS_WORDS: dict[AxisName, str] = {
 
 OUTLINE_HEIGHT_SHARE = 0.16
 """The outline from above is that of the skin below this share of the length (43 mm of 270): no ankle, no leg."""
-HEEL_BREADTH_SHARE = 0.16
 TOE_2_SHARE = 0.42
 """Without a hand the second toe is where the front of the outline lies this share of the ball breadth from the
 medial side."""
 _SURE_SCORE = 0.06
+
+
+Front = Literal["whole", "toes missing", "ball missing"]
+"""Without toes the search windows scale with the heel; without a ball the axis goes to the middle of the stump."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,9 @@ class Alignment:
         shape_side: The side the shape looks like, None when it does not say.
         axis: The definition of the foot axis used.
         length_mm: Extent along the axis of the skin below `OUTLINE_HEIGHT_SHARE`.
+        reference_mm: The length that search windows scale with: the foot's own, or, when its front is missing, at least
+            what the heel breadth leads one to expect.
+        front: What is left of the front.
         outline: That skin from above, in the foot frame.
         questions: What a person should answer, such as a side that contradicts the shape.
     """
@@ -64,6 +72,8 @@ class Alignment:
     shape_side: Side | None
     axis: AxisName
     length_mm: float
+    reference_mm: float
+    front: Front
     outline: Outline
     questions: tuple[str, ...]
 
@@ -73,6 +83,7 @@ def align_foot(
     side: Side | None = None,
     axis: str = "A2",
     given: Mapping[str, Floats] | None = None,
+    front: Front | None = None,
 ) -> Alignment:
     """Find heel, toes, side and axis of a foot standing on z = 0.
 
@@ -81,6 +92,7 @@ def align_foot(
         side: The operator's word, which wins over the shape; None takes the shape's.
         axis: A1, A2, A4 or A5.
         given: Landmarks by hand, name -> `(3,)` in the input's coordinates.
+        front: What is left of the front; None looks for a stump.
 
     Raises:
         MeshError: No foot, or an unknown axis or side.
@@ -97,17 +109,26 @@ def align_foot(
     score = side_score(shell, outline, heading)
     shape_side: Side | None = None if abs(score) < _SURE_SCORE else ("right" if score > 0 else "left")
     used, questions = _side(side, shape_side)
+    mirrored = used == "left"
     marks = {name: np.asarray(xyz, dtype=np.float64)[:2] for name, xyz in (given or {}).items()}
-    forward = fit_axis(outline, heading.xy_forward, axis, marks, mirrored=used == "left")
-    in_frame = turned(outline, forward, mirrored=used == "left")
+    left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")
+    forward = fit_axis(outline, heading.xy_forward, axis, marks, mirrored=mirrored, front=left)
+    in_frame = turned(outline, forward, mirrored=mirrored)
     length = float(np.ptp(in_frame.xy[:, 0]))
-    transform = _frame(in_frame, forward, marks, mirrored=used == "left")
-    xy = in_frame.xy + transform[:2, 3]
-    return Alignment(transform, used, shape_side, axis, length, Outline(xy, in_frame.vertex), questions)
+    transform = _frame(in_frame, forward, marks, mirrored=mirrored)
+    in_frame = Outline(in_frame.xy + transform[:2, 3], in_frame.vertex)
+    reference = _reference(in_frame, left)
+    return Alignment(transform, used, shape_side, axis, length, reference, left, in_frame, questions)
 
 
 def fit_axis(
-    outline: Outline, xy_forward: Floats, axis: AxisName, marks: Mapping[str, Floats], *, mirrored: bool
+    outline: Outline,
+    xy_forward: Floats,
+    axis: AxisName,
+    marks: Mapping[str, Floats],
+    *,
+    mirrored: bool,
+    front: Front = "whole",
 ) -> Floats:
     """Unit direction `(2,)` of the foot axis, from a rough one, by turning until pternion and ball agree with it."""
     forward = xy_forward
@@ -115,12 +136,17 @@ def fit_axis(
         frame = np.stack([forward, _medial(forward, mirrored=mirrored)], axis=1)
         in_frame = turned(outline, forward, mirrored=mirrored)
         marks_frame = {name: xy @ frame for name, xy in marks.items()}
-        step = _axis_direction(in_frame, axis, marks_frame)
+        step = _axis_direction(in_frame, axis, marks_frame, front)
         forward = frame @ step
         forward /= np.linalg.norm(forward)
         if abs(step[1]) < 1e-13:
             break
     return forward
+
+
+def _reference(outline: Outline, front: Front) -> float:
+    length = float(np.ptp(outline.xy[:, 0]))
+    return length if front == "whole" else max(length, length_from_heel(outline, length))
 
 
 def _side(side: Side | None, shape_side: Side | None) -> tuple[Side, tuple[str, ...]]:
@@ -138,18 +164,21 @@ def _medial(forward: Floats, *, mirrored: bool) -> Floats:
     return np.array([forward[1], -forward[0]]) if mirrored else np.array([-forward[1], forward[0]])
 
 
-def _axis_direction(outline: Outline, axis: AxisName, marks: Mapping[str, Floats]) -> Floats:
+def _axis_direction(outline: Outline, axis: AxisName, marks: Mapping[str, Floats], front: Front) -> Floats:
     """Direction `(2,)`, of length 1, of the axis in the outline's own frame."""
-    length = float(np.ptp(outline.xy[:, 0]))
+    length = _reference(outline, front)
     if axis == "A5":
         return medial_tangent(outline, length)
     heel = marks.get("pternion", find_heel(outline, length).xy)
+    if front == "ball missing":
+        step = _middle_at(outline, 0.8 * float(np.ptp(outline.xy[:, 0]))) - heel
+        return step / np.linalg.norm(step)
     medial = marks.get("metatarsale_tibiale", find_bulge(outline, length, MTH1_WINDOW, 1.0).xy)
     lateral = marks.get("metatarsale_fibulare", find_bulge(outline, length, MTH5_WINDOW, -1.0).xy)
     if axis == "A2":
         step = (medial + lateral) / 2.0 - heel
     else:
-        start = heel if axis == "A1" else _heel_centre(outline, length)
+        start = heel if axis == "A1" else _middle_at(outline, HEEL_BREADTH_SHARE * length)
         step = marks.get("toe_2_tip", toe_2_place(outline, medial[1], lateral[1])) - start
     return step / np.linalg.norm(step)
 
@@ -161,8 +190,9 @@ def toe_2_place(outline: Outline, y_medial: float, y_lateral: float) -> Floats:
     return np.array([-side_at(swapped, np.array([y]), -1.0)[0], y])
 
 
-def _heel_centre(outline: Outline, length_mm: float) -> Floats:
-    x = np.array([outline.xy[:, 0].min() + HEEL_BREADTH_SHARE * length_mm])
+def _middle_at(outline: Outline, from_rear_mm: float) -> Floats:
+    """Middle `(2,)` of the outline's breadth at a distance from its rearmost point."""
+    x = np.array([outline.xy[:, 0].min() + from_rear_mm])
     return np.array([x[0], (side_at(outline.xy, x, 1.0)[0] + side_at(outline.xy, x, -1.0)[0]) / 2.0])
 
 

@@ -15,10 +15,10 @@ from footscan.foot.clip import cut_below
 from footscan.foot.girth import Girth, find_smallest, measure_girth
 from footscan.foot.landmarks import Landmark, Landmarks
 from footscan.foot.sections import tape_girth_mm
-from footscan.foot.shell import SEEN, area_mm2, volume_mm3
+from footscan.foot.shell import NEVER_SEEN_BELOW_MM, SEEN, area_mm2, volume_mm3
 from footscan.foot.standing import VOLUME_HEIGHT_SHARE, StandingFoot
 
-ANKLE_BAND = (0.30, 0.52)
+ANKLE_BAND = (0.30, 0.51)
 WAIST_BAND = (0.52, 0.64)
 TOE_HEIGHT_SHARE = 0.90
 UNSEEN_LIMIT = 0.10
@@ -180,7 +180,7 @@ def _surface(foot: StandingFoot, _: Landmarks) -> Reading:
     area = area_mm2(open_shell)
     doubts = _counted(foot, height)
     if open_shell.origin is not None:
-        upper = open_shell.xyz[open_shell.faces][:, :, 2].mean(axis=1) > 0.03 * foot.length_mm
+        upper = open_shell.xyz[open_shell.faces][:, :, 2].mean(axis=1) > NEVER_SEEN_BELOW_MM
         unseen = (open_shell.origin != SEEN)[open_shell.faces].mean(axis=1)
         share = float((area * unseen)[upper].sum() / area[upper].sum())
         if share > UNSEEN_LIMIT:
@@ -256,7 +256,7 @@ CATALOGUE: tuple[Entry, ...] = (
         ("heel_corner", "instep_point"),
         partial(_heel_girth, "instep_point"),
     ),
-    Entry("ankle_girth", "mm", "smallest level tape girth at 30-52 % of the length in height", (), _ankle_girth),
+    Entry("ankle_girth", "mm", "smallest level tape girth at 30-51 % of the length in height", (), _ankle_girth),
     Entry(
         "heel_breadth",
         "mm",

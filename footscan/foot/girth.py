@@ -14,21 +14,22 @@ from scipy.optimize import OptimizeResult, minimize_scalar
 from footscan.coordinates import Bools, Floats
 from footscan.foot.crossing import hull_perimeter_mm
 from footscan.foot.sections import cut_shell, plane_axes
-from footscan.foot.shell import Shell
+from footscan.foot.shell import NEVER_SEEN_BELOW_MM, Shell
 
 WALL_SHARE, RIM_SHARE = 0.05, 0.15
 """For the upper end of an interval a vertical wall goes down to the board from seen skin below the first share of the
 length, and from seen skin below the second that borders on unseen skin."""
-SOLE_EDGE_SHARE = 0.03
-"""Skin below this share of the length belongs to the sole's edge: the interval speaks of it, `reliable` does not."""
 _FLAT = 1e-4
-MARGIN_MM = 0.5
+MARGIN_MM = 1.0
 """Both ends of an interval are moved out by this much: what the seen skin itself is trusted to along a tape."""
 
 
 @dataclass(frozen=True)
 class Girth:
-    """A tape girth (mm), its interval, the share of the skin above the sole's edge not seen, and the cut `(n, 3)`."""
+    """A tape girth (mm), its interval, the share not seen, and the cut `(n, 3)`.
+
+    `unseen_share` leaves out the sole's edge (`NEVER_SEEN_BELOW_MM`): the interval speaks of that, `reliable` does not.
+    """
 
     value_mm: float
     interval_mm: tuple[float, float]
@@ -56,7 +57,7 @@ def measure_girth(shell: Shell, length_mm: float, origin: Floats, normal: Floats
     walls = _wall_points(shell, length_mm, origin, normal)
     high = hull_perimeter_mm(np.concatenate([xyz, walls]) @ axes)
     size = np.linalg.norm(cut.xyz[:, 1] - cut.xyz[:, 0], axis=1)
-    upper = size * (cut.xyz[:, :, 2].mean(axis=1) > SOLE_EDGE_SHARE * length_mm)
+    upper = size * (cut.xyz[:, :, 2].mean(axis=1) > NEVER_SEEN_BELOW_MM)
     unseen = float((upper * (~seen.reshape(-1, 2)).mean(axis=1)).sum() / max(float(upper.sum()), 1e-12))
     return Girth(value, (low - MARGIN_MM, high + MARGIN_MM), unseen, xyz)
 

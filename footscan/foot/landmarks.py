@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 
 from footscan.coordinates import Floats
-from footscan.foot.align import HEEL_BREADTH_SHARE, toe_2_place
+from footscan.foot.align import toe_2_place
 from footscan.foot.girth import find_smallest
-from footscan.foot.outline import CAP_SHARE, MTH1_WINDOW, MTH5_WINDOW, find_bulge, find_heel
+from footscan.foot.outline import CAP_SHARE, HEEL_BREADTH_SHARE, MTH1_WINDOW, MTH5_WINDOW, find_bulge, find_heel
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import SEEN
 from footscan.foot.standing import StandingFoot
@@ -26,7 +26,7 @@ CHORD_TOP_SHARE = 0.34
 the leg goes."""
 MALLEOLUS_WINDOW = (0.15, 0.35)
 JUNCTION_BAND_RAD = (np.radians(25.0), np.radians(60.0))
-_CLEAR_BULGE_SHARE = 0.001
+_CLEAR_BULGE_SHARE = 0.002
 
 NEEDS_HAND = "needs palpation"
 
@@ -93,7 +93,7 @@ def _place(rule: LandmarkRule, foot: StandingFoot, found: Landmarks) -> Landmark
 
 def _pternion(foot: StandingFoot, _: Landmarks) -> Landmark:
     outline = foot.alignment.outline
-    heel = find_heel(outline, foot.alignment.length_mm)
+    heel = find_heel(outline, foot.length_mm)
     return Landmark(np.array([0.0, 0.0, foot.shell_height_at(heel.vertex)]))
 
 
@@ -106,7 +106,7 @@ def _bulge(
     name: str, window: tuple[float, float], sign: float
 ) -> Callable[[StandingFoot, Landmarks], Landmark | Missing]:
     def find(foot: StandingFoot, _: Landmarks) -> Landmark:
-        place = find_bulge(foot.alignment.outline, foot.alignment.length_mm, window, sign)
+        place = find_bulge(foot.alignment.outline, foot.length_mm, window, sign)
         doubts = [f"{NEEDS_HAND}: {name} is bone, here the most outward skin stands in for it"]
         if place.at_end:
             doubts.append(f"{name} lies at the end of its search window")
@@ -231,11 +231,9 @@ def _bulge_of_profile(heights: Floats, points: Floats, sign: float, length_mm: f
         return "not seen: the level cuts at the ankle are empty"
     peaks = np.flatnonzero((out[1:-1] >= out[:-2]) & (out[1:-1] >= out[2:])) + 1
     rises = np.array([out[p] - max(out[: p + 1].min(), out[p:].min()) for p in peaks])
-    clear = rises > _CLEAR_BULGE_SHARE * length_mm
     doubts: tuple[str, ...] = ()
-    if clear.any():
-        best = int(peaks[clear][out[peaks[clear]].argmax()])
-        rise = float(rises[clear][out[peaks[clear]].argmax()])
+    if len(peaks) and rises.max() > _CLEAR_BULGE_SHARE * length_mm:
+        best, rise = int(peaks[rises.argmax()]), float(rises.max())
     else:
         low = heights <= CHORD_TOP_SHARE * length_mm
         heights, points, out = heights[low], points[low], out[low]

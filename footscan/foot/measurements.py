@@ -15,7 +15,7 @@ from footscan.foot.landmarks import BY_HAND, NEEDS_HAND, RULES, Landmark, Landma
 from footscan.foot.repair import repair_shell
 from footscan.foot.shell import Shell, shell_from_mesh
 from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
-from footscan.foot.standing import StandingFoot, stand
+from footscan.foot.standing import StandingFoot, absent_parts, front_of, stand
 from footscan.foot.units import check_foot_length
 
 FORMAT = "footscan-measurements/1"
@@ -120,7 +120,7 @@ def measure(
     shell = shell_from_mesh(mesh)
     _check_size(shell)
     shell, remarks = repair_shell(shell)
-    alignment = align_foot(shell, side, axis, given)
+    alignment = align_foot(shell, side, axis, given, front_of(absent_parts(absent)))
     foot = stand(shell, alignment, given, absent)
     marks, missing = find_landmarks(foot)
     values = {entry.name: _measured(entry, foot, marks, missing, norm) for entry in CATALOGUE}

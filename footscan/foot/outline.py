@@ -11,6 +11,10 @@ from footscan.foot.shell import Shell
 CAP_SHARE = 0.01
 """Depth, as a share of foot length, of the cap whose middle stands for a tangent point: a flat curve has no
 sharp extreme."""
+BALL_CAP_SHARE = 0.02
+HEEL_BREADTH_SHARE = 0.16
+HEEL_BREADTHS_PER_LENGTH = 3.7
+"""Foot length over heel breadth (ANSUR II: 3.74 men, 3.67 women), for feet whose front is missing."""
 MTH1_WINDOW = (0.62, 0.80)
 MTH5_WINDOW = (0.52, 0.72)
 
@@ -98,7 +102,7 @@ def find_bulge(outline: Outline, length_mm: float, window: tuple[float, float], 
     candidates = np.append(np.where(inside, side, -np.inf), ends)
     best = int(candidates.argmax())
     top = float(candidates[best])
-    cap = beyond(outline.xy, np.array([0.0, sign]), top - CAP_SHARE * length_mm)
+    cap = beyond(outline.xy, np.array([0.0, sign]), top - BALL_CAP_SHARE * length_mm)
     cap = beyond(beyond(cap, np.array([1.0, 0.0]), first), np.array([-1.0, 0.0]), -last)
     place = np.array([_centroid(cap)[0], sign * top])
     nearest = int(np.linalg.norm(outline.xy - place, axis=1).argmin())
@@ -123,3 +127,13 @@ def medial_tangent(outline: Outline, length_mm: float) -> Floats:
     bridge = int(np.flatnonzero((a[:, 0] >= x) & (b[:, 0] < x))[0])
     edge = a[bridge] - b[bridge]
     return edge / np.linalg.norm(edge)
+
+
+def length_from_heel(outline: Outline, length_mm: float) -> float:
+    """The length (mm) that an outline's heel breadth leads one to expect; the search starts at `length_mm`."""
+    rear = float(outline.xy[:, 0].min())
+    for _ in range(8):
+        x = np.array([rear + HEEL_BREADTH_SHARE * length_mm])
+        breadth = float(side_at(outline.xy, x, 1.0)[0] - side_at(outline.xy, x, -1.0)[0])
+        length_mm = HEEL_BREADTHS_PER_LENGTH * breadth
+    return length_mm

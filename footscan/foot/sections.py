@@ -154,11 +154,11 @@ def tape_girth_mm(shell: Shell, origin: Floats, normal: Floats) -> float:
 
 
 def _tape(uv: Floats, seen: Bools) -> tuple[float, float]:
-    """Length of the hull of `(n, 2)` points, and of its sides that do not lie between two seen points."""
+    """Length of the hull of `(n, 2)` points, and how much of it is unseen: half of a side with one seen end."""
     corner = convex_hull(uv)
     side = np.linalg.norm(uv[np.roll(corner, -1)] - uv[corner], axis=1)
-    both = seen[corner] & seen[np.roll(corner, -1)]
-    return float(side.sum()), float(side[~both].sum())
+    unseen = 1.0 - (seen[corner] + 1.0 * seen[np.roll(corner, -1)]) / 2.0
+    return float(side.sum()), float((side * unseen).sum())
 
 
 def _area_and_centroid(uv: Floats, handedness: float) -> tuple[float, Floats]:

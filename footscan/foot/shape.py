@@ -19,6 +19,10 @@ _ROUNDEST_FOOT = 1.2
 """Length over breadth; a healthy foot has 2.5 to 3, a rudiment after amputation may have 1.3."""
 
 
+STUMP_SHARE = 0.17
+"""Dorsum height at 90 % of the length, over the length, from which the front is a stump (toes: 0.08 to 0.12)."""
+
+
 @dataclass(frozen=True)
 class Heading:
     """A rough pose: unit `xy_forward` `(2,)` heel to toe, extent along and across it, height of the skin (mm)."""
@@ -67,6 +71,14 @@ def check_shape(shell: Shell, heading: Heading) -> None:
         raise MeshError(f"the lowest point is at z = {lowest:.0f} mm: the foot has to stand on z = 0, the board")
 
 
+def is_stump(shell: Shell, outline: Outline, heading: Heading) -> bool:
+    """Whether the front ends high and blunt, as after an amputation; a cloud (no faces) never says so."""
+    normal = np.array([*heading.xy_forward, 0.0])
+    rear = float((outline.xy @ heading.xy_forward).min())
+    xyz = cut_shell(shell, (rear + 0.9 * heading.length_mm) * normal, normal).xyz.reshape(-1, 3)
+    return len(xyz) > 0 and float(xyz[:, 2].max()) > STUMP_SHARE * heading.length_mm
+
+
 def side_score(shell: Shell, outline: Outline, heading: Heading) -> float:
     """How much the left-hand side (seen along the heading) is the medial one: positive for a right foot.
 
@@ -98,11 +110,14 @@ def _ridge(shell: Shell, heading: Heading, rear: float) -> float:
 
 
 def _toes_behind(shell: Shell, forward: Floats, along: Floats) -> bool:
-    """Whether the skin is higher over the front third than over the rear third of the outline."""
-    x = shell.xyz[:, :2] @ forward
-    third = np.ptp(along) / 3.0
-    rear, front = shell.xyz[x < along.min() + third, 2], shell.xyz[x > along.max() - third, 2]
-    return bool(np.max(front, initial=-np.inf) > np.max(rear, initial=-np.inf))
+    """Whether the ankle (the skin at about half of the length in height, or the highest) is over the outline's front."""
+    length, top = float(np.ptp(along)), float(shell.xyz[:, 2].max())
+    height = min(0.45 * length, 0.9 * top)
+    xyz = cut_shell(shell, np.array([0.0, 0.0, height]), np.array([0.0, 0.0, 1.0])).xyz.reshape(-1, 3)
+    if len(xyz) == 0:
+        xyz = shell.xyz[np.abs(shell.xyz[:, 2] - height) < 0.05 * length]
+    x = xyz[:, :2] @ forward
+    return len(x) > 0 and bool(x.min() + x.max() > along.min() + along.max())
 
 
 def _diameter(xy: Floats) -> float:

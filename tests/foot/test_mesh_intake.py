@@ -1,0 +1,191 @@
+import numpy as np
+import pytest
+import trimesh
+from footscan.errors import MeshError
+from footscan.foot.clip import cut_below
+from footscan.foot.measurements import measure
+from footscan.foot.repair import repair_mesh
+from footscan.foot.shell import CUT, mesh_from_shell, shell_from_mesh
+from footscan.foot.units import check_foot_length, likely_unit, mm_from_unit
+
+
+def values(result):
+    return {name: value.value for name, value in result.measurements.items() if value.value is not None}
+
+
+def assert_same(result, expected, tolerance):
+    ours, theirs = values(result), values(expected)
+
+    assert ours.keys() == theirs.keys()
+    assert {name: ours[name] - theirs[name] for name in ours} == pytest.approx(dict.fromkeys(ours, 0.0), abs=tolerance)
+
+
+def test_a_sound_mesh_is_left_as_it_is(foot):
+    repaired = repair_mesh(foot)
+
+    assert repaired.remarks == ()
+    assert repaired.mesh.is_watertight
+    assert repaired.mesh.volume == pytest.approx(foot.volume, rel=1e-9)
+
+
+def test_inverted_normals_are_turned_and_said_so(foot):
+    inverted = trimesh.Trimesh(foot.vertices, foot.faces[:, ::-1], process=False)
+
+    result = measure(inverted, "right")
+
+    assert any("pointed inwards" in remark for remark in result.remarks)
+    assert_same(result, measure(foot, "right"), 1e-9)
+
+
+def test_some_faces_turned_against_their_neighbours_are_turned_round(foot):
+    faces = foot.faces.copy()
+    faces[::7] = faces[::7, ::-1]
+
+    repaired = repair_mesh(trimesh.Trimesh(foot.vertices, faces, process=False))
+
+    assert any("turned round" in remark for remark in repaired.remarks)
+    assert repaired.mesh.is_winding_consistent
+    assert repaired.mesh.volume == pytest.approx(foot.volume, rel=1e-9)
+
+
+def test_duplicate_faces_are_left_out(foot):
+    doubled = trimesh.Trimesh(foot.vertices, np.concatenate([foot.faces, foot.faces[:50]]), process=False)
+
+    repaired = repair_mesh(doubled)
+
+    assert repaired.remarks == ("50 duplicate faces were left out",)
+    assert len(repaired.mesh.faces) == len(foot.faces)
+
+
+def test_corners_that_are_no_numbers_cost_only_their_faces(foot):
+    xyz = np.array(foot.vertices)
+    xyz[2500] = np.nan
+
+    repaired = repair_mesh(trimesh.Trimesh(xyz, foot.faces, process=False))
+
+    assert any("no numbers" in remark for remark in repaired.remarks)
+    assert any("hole" in remark for remark in repaired.remarks)
+    assert repaired.mesh.is_watertight
+    assert repaired.mesh.volume == pytest.approx(foot.volume, rel=1e-3)
+
+
+def test_separate_triangles_are_joined(foot):
+    soup = trimesh.Trimesh(foot.triangles.reshape(-1, 3), np.arange(3 * len(foot.faces)).reshape(-1, 3), process=False)
+
+    repaired = repair_mesh(soup)
+
+    assert repaired.mesh.is_watertight
+    assert len(repaired.mesh.vertices) == len(foot.vertices)
+
+
+def test_an_open_top_and_an_open_sole_are_closed_and_named(foot):
+    level = np.abs(foot.face_normals[:, 2]) > 0.999
+    middle = foot.triangles_center[:, 2]
+    ends = level & ((middle < 0.1) | (middle > 237.9))
+
+    repaired = repair_mesh(trimesh.Trimesh(foot.vertices, foot.faces[~ends], process=False))
+
+    assert any("sole is assumed" in remark for remark in repaired.remarks)
+    assert any("open top" in remark for remark in repaired.remarks)
+    assert repaired.mesh.is_watertight
+    assert repaired.mesh.volume == pytest.approx(foot.volume, rel=1e-6)
+
+
+def test_a_foot_with_holes_measures_nearly_the_same(foot):
+    middle = foot.triangles_center
+    hole = np.linalg.norm(middle - [95.0, 45.0, 60.0], axis=1) < 12.0
+    holed = trimesh.Trimesh(foot.vertices, foot.faces[~hole], process=False)
+
+    result = measure(holed, "right")
+
+    assert hole.any()
+    assert any("hole" in remark for remark in result.remarks)
+    assert result["foot_length"].value == pytest.approx(measure(foot, "right")["foot_length"].value, abs=1e-6)
+
+
+def test_crumbs_are_dropped_and_said_so(foot):
+    crumb = trimesh.creation.icosphere(subdivisions=1, radius=3.0).apply_translation([300.0, 100.0, 40.0])
+
+    result = measure(trimesh.util.concatenate([foot, crumb]), "right")
+
+    assert any("1 loose piece" in remark for remark in result.remarks)
+    assert_same(result, measure(foot, "right"), 1e-9)
+
+
+def test_two_feet_are_refused(foot):
+    pair = trimesh.util.concatenate([foot, foot.copy().apply_translation([0.0, 200.0, 0.0])])
+
+    with pytest.raises(MeshError, match="two feet"):
+        measure(pair, "right")
+
+
+def test_a_sphere_is_refused():
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=90.0).apply_translation([0.0, 0.0, 90.0])
+
+    with pytest.raises(MeshError, match="like a ball"):
+        measure(ball, "right")
+
+
+def test_an_empty_board_is_refused():
+    board = trimesh.creation.box(extents=(300.0, 120.0, 2.0)).subdivide().subdivide().subdivide()
+
+    with pytest.raises(MeshError, match="empty board"):
+        measure(board, "right")
+
+
+def test_a_plantar_scan_is_refused(foot):
+    sole = mesh_from_shell(cut_below(shell_from_mesh(foot), 20.0))
+
+    with pytest.raises(MeshError, match="only a sole"):
+        measure(sole, "right")
+
+
+def test_a_mesh_without_a_usable_triangle_is_refused():
+    with pytest.raises(MeshError, match="no triangle"):
+        measure(trimesh.Trimesh(np.full((3, 3), np.nan), [[0, 1, 2]], process=False), "right")
+
+
+def test_a_foot_floating_far_above_the_board_is_refused(foot):
+    with pytest.raises(MeshError, match="the board"):
+        measure(foot.copy().apply_translation([0.0, 0.0, 400.0]), "right")
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("m", 1e-3), ("cm", 0.1), ("in", 1 / 25.4)])
+def test_a_mesh_in_another_unit_is_refused_with_the_unit_it_probably_is(foot, unit, factor):
+    with pytest.raises(MeshError, match=f"pass --unit {unit}"):
+        measure(foot.copy().apply_scale(factor), "right")
+
+
+def test_the_refusal_of_metres_reads_as_promised():
+    with pytest.raises(MeshError, match=r"^0\.276 mm long, .*: in metres\? pass --unit m$"):
+        check_foot_length(0.276)
+
+
+def test_a_size_that_is_a_foot_in_no_unit_says_to_check():
+    assert likely_unit(3.2) is None
+    with pytest.raises(MeshError, match="check the unit"):
+        check_foot_length(3.2)
+
+
+def test_units_are_those_of_the_trade_and_others_are_refused():
+    assert [mm_from_unit(unit) for unit in ("mm", "cm", "m", "in")] == [1.0, 10.0, 1000.0, 25.4]
+    with pytest.raises(MeshError, match="allowed are mm, cm, m, in"):
+        mm_from_unit("feet")
+
+
+def test_a_cut_is_closed_flat_and_marked(foot):
+    marked = foot.copy()
+    marked.vertex_attributes["origin"] = np.zeros(len(foot.vertices), dtype=np.uint8)
+
+    below = mesh_from_shell(cut_below(shell_from_mesh(marked), 90.3))
+
+    assert below.is_watertight and below.is_winding_consistent
+    assert below.bounds[1, 2] == pytest.approx(90.3)
+    above_skin = below.vertex_attributes["origin"] == CUT
+    assert above_skin.sum() == 1 and below.vertices[above_skin, 2] == pytest.approx(90.3)
+
+
+def test_cutting_above_the_top_changes_nothing(foot):
+    shell = shell_from_mesh(foot)
+
+    assert cut_below(shell, 500.0) is shell
