@@ -1,10 +1,10 @@
 """How the skin that nobody saw is continued down to the board.
 
-The machine looks from outside and a little above. Skin that leaned outwards below the lowest seen skin would have been seen,
-so the true skin goes on inside the tangent there. The one rule offered, `tangent-rounded`, therefore follows the lowest
-seen skin's own lean (never outwards, never more than 60 degrees from upright) and turns on to the board in an arc that is
-tangent to both; the sole within is flat. Nothing of it is measured. Vertical walls, the outer bound that tape girths use, are
-not drawn.
+The machine looks from outside and a little above. Skin that leaned outwards below the lowest seen skin would have been
+seen, so the true skin goes on inside the tangent there. The one rule offered, `tangent-rounded`, therefore follows the
+lowest seen skin's own lean (never outwards, never more than 60 degrees from upright) and turns on to the board in an
+arc that is tangent to both; the sole within is flat. Nothing of it is measured. Vertical walls, the outer bound that
+tape girths use, are not drawn.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,9 @@ def lean_rad(downwards: Floats, inwards: Floats) -> Floats:
     return gaussian_filter1d(median_filter(lean, 5, mode="wrap"), 2.0, mode="wrap")
 
 
-def closing_arcs(ring_mm: Floats, inwards: Floats, lean: Floats, room_mm: Floats, rule: ClosureRule) -> tuple[Floats, Floats]:
+def closing_arcs(
+    ring_mm: Floats, inwards: Floats, lean: Floats, room_mm: Floats, rule: ClosureRule
+) -> tuple[Floats, Floats]:
     """Assumed skin from the board up to the lowest seen skin.
 
     Args:
@@ -64,7 +66,8 @@ def closing_arcs(ring_mm: Floats, inwards: Floats, lean: Floats, room_mm: Floats
     t = np.linspace(1.0, 0.0, _SAMPLES)
     inset = 2.0 * t * (1.0 - t) * shift[:, None] + t**2 * (shift + run)[:, None]
     points = np.concatenate(
-        [ring_mm[:, None, :2] + inset[..., None] * inwards[:, None], ((1.0 - t) ** 2 * height[:, None])[..., None]], axis=2
+        [ring_mm[:, None, :2] + inset[..., None] * inwards[:, None], ((1.0 - t) ** 2 * height[:, None])[..., None]],
+        axis=2,
     )
     step = np.linalg.norm(np.diff(points, axis=1), axis=2)
     along = np.concatenate([np.zeros((len(ring_mm), 1)), np.cumsum(step, axis=1)], axis=1)

@@ -1,7 +1,7 @@
 """A cubic tensor-product spline tube: periodic around (u), clamped from the sole up to the leg (v).
 
-Columns of the control net go round, rows go up. The parameters run from 0 to 1. Knots around are uniform; knots up may be
-spaced freely and doubled or tripled where the surface has an edge.
+Columns of the control net go round, rows go up. The parameters run from 0 to 1. Knots around are uniform, knots up may
+be spaced freely.
 """
 
 from dataclasses import dataclass

@@ -38,7 +38,9 @@ def bases_at(t: Floats, knots: Floats) -> Bases:
     return Bases(first, value, slope)
 
 
-def fit_tube(u: Floats, v: Floats, xyz_mm: Floats, weight: Floats, count_u: int, knots_v: Floats, stiffness: Floats) -> SplineTube:
+def fit_tube(
+    u: Floats, v: Floats, xyz_mm: Floats, weight: Floats, count_u: int, knots_v: Floats, stiffness: Floats
+) -> SplineTube:
     """Solve the weighted normal equations with a small bending energy.
 
     Args:
@@ -58,8 +60,21 @@ def fit_tube(u: Floats, v: Floats, xyz_mm: Floats, weight: Floats, count_u: int,
     n = count_u * count_v
     band, right = np.zeros((n, 6 * count_v + 4)), np.zeros((n, 3))
     order = np.lexsort((up.first, around.first))
-    add_normal_equations(around.first[order], around.value[order], up.first[order], up.value[order], weight[order], xyz_mm[order], count_u, count_v, band, right)
-    add_stiffness(np.array([1.0, 1.0, 2.0]), row_spacing(knots_v), np.ascontiguousarray(stiffness), count_u, count_v, band)
+    add_normal_equations(
+        around.first[order],
+        around.value[order],
+        up.first[order],
+        up.value[order],
+        weight[order],
+        xyz_mm[order],
+        count_u,
+        count_v,
+        band,
+        right,
+    )
+    add_stiffness(
+        np.array([1.0, 1.0, 2.0]), row_spacing(knots_v), np.ascontiguousarray(stiffness), count_u, count_v, band
+    )
     band[:, 0] += _FLOOR
     factor = cholesky_banded(band.T, overwrite_ab=True, lower=True, check_finite=False)
     solved = cho_solve_banded((factor, True), right, overwrite_b=True, check_finite=False)
@@ -86,13 +101,24 @@ def evaluate_at(tube: SplineTube, u: Floats, v: Floats) -> Scattered:
     around, up = bases_at(np.mod(u, 1.0), tube.knots_u), bases_at(v, tube.knots_v)
     result = Scattered(*(np.empty((len(u), 3)) for _ in range(3)))
     evaluate_scattered(
-        around.first, around.value, around.slope, up.first, up.value, up.slope, tube.net_mm, result.xyz_mm, result.along_u, result.along_v
+        around.first,
+        around.value,
+        around.slope,
+        up.first,
+        up.value,
+        up.slope,
+        tube.net_mm,
+        result.xyz_mm,
+        result.along_u,
+        result.along_v,
     )
     return result
 
 
-def nearer_parameters(tube: SplineTube, u: Floats, v: Floats, xyz_mm: Floats, largest_step: tuple[float, float]) -> tuple[Floats, Floats]:
-    """One Gauss-Newton step of each point's parameters towards its foot on the surface (Hoschek's parameter correction)."""
+def nearer_parameters(
+    tube: SplineTube, u: Floats, v: Floats, xyz_mm: Floats, largest_step: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """One Gauss-Newton step of each point's parameters to its foot on the surface (Hoschek's correction)."""
     here = evaluate_at(tube, u, v)
     miss = xyz_mm - here.xyz_mm
     uu, vv = (here.along_u**2).sum(1), (here.along_v**2).sum(1)

@@ -1,7 +1,7 @@
 """Compiled loops of the spline fit: bases at scattered parameters and the banded normal equations.
 
-Columns of the control net are folded (0, n-1, 1, n-2, ...) so that the periodic direction stays banded: neighbours within
-three columns are at most six places apart.
+Columns of the control net are folded (0, n-1, 1, n-2, ...) so that the periodic direction stays banded: neighbours
+within three columns are at most six places apart.
 """
 
 import numpy as np
@@ -59,7 +59,16 @@ def cubic_bases(t: Floats, knots: Floats, first: Ints, value: Floats, slope: Flo
 
 @compiled
 def add_normal_equations(
-    first_u: Ints, basis_u: Floats, first_v: Ints, basis_v: Floats, weight: Floats, target: Floats, count_u: int, count_v: int, band: Floats, right: Floats
+    first_u: Ints,
+    basis_u: Floats,
+    first_v: Ints,
+    basis_v: Floats,
+    weight: Floats,
+    target: Floats,
+    count_u: int,
+    count_v: int,
+    band: Floats,
+    right: Floats,
 ) -> None:
     """Add weighted points to the lower band `(band + 1, n)` and the right sides `(n, 3)` of the normal equations."""
     where = np.empty(16, np.int64)
@@ -85,9 +94,7 @@ def add_normal_equations(
 
 
 @compiled
-def add_stiffness(
-    gram_u: Floats, gram_v: Floats, weight: Floats, count_u: int, count_v: int, band: Floats
-) -> None:
+def add_stiffness(gram_u: Floats, gram_v: Floats, weight: Floats, count_u: int, count_v: int, band: Floats) -> None:
     """Add the energy of second differences to the band.
 
     Args:
@@ -131,7 +138,16 @@ def add_stiffness(
 
 @compiled
 def evaluate_scattered(
-    first_u: Ints, basis_u: Floats, slope_u: Floats, first_v: Ints, basis_v: Floats, slope_v: Floats, net: Floats, place: Floats, along_u: Floats, along_v: Floats
+    first_u: Ints,
+    basis_u: Floats,
+    slope_u: Floats,
+    first_v: Ints,
+    basis_v: Floats,
+    slope_v: Floats,
+    net: Floats,
+    place: Floats,
+    along_u: Floats,
+    along_v: Floats,
 ) -> None:
     """Surface points and first derivatives `(n, 3)` at scattered parameters, written to the last three arguments."""
     count_u = net.shape[1]

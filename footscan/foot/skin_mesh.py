@@ -1,10 +1,10 @@
-"""Closed, oriented, manifold mesh of a spline tube: skin on a regular grid, a flat sole and a flat cut triangulated within."""
+"""Closed, oriented, manifold mesh of a spline tube: skin on a regular grid, flat sole and flat cut filled within."""
 
 from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import Delaunay, KDTree
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
@@ -63,14 +63,18 @@ def grid_counts(tube: SplineTube, facet_mm: float) -> tuple[int, int]:
     coarse = tube.grid(np.linspace(0.0, 1.0, 121), np.linspace(0.0, 1.0, 61))
     around = np.linalg.norm(np.diff(coarse, axis=1), axis=2).sum(axis=1)
     up = np.linalg.norm(np.diff(coarse, axis=0), axis=2).sum(axis=0)
-    return max(24, round(float(np.percentile(around, 90)) / facet_mm)), max(12, round(float(np.percentile(up, 90)) / facet_mm))
+    return max(24, round(float(np.percentile(around, 90)) / facet_mm)), max(
+        12, round(float(np.percentile(up, 90)) / facet_mm)
+    )
 
 
 def skin_facets(around: int, up: int) -> Ints:
-    """Facets `(2 * around * (up - 1), 3)` of a closed band of rows; outward when rows run counter-clockwise and upwards."""
+    """Facets `(m, 3)` of a closed band of rows; outward when rows run counter-clockwise and upwards."""
     row, column = np.meshgrid(np.arange(up - 1), np.arange(around), indexing="ij")
     here, beside = (row * around + column).ravel(), (row * around + (column + 1) % around).ravel()
-    return np.concatenate([np.stack([here, beside, beside + around], 1), np.stack([here, beside + around, here + around], 1)])
+    return np.concatenate(
+        [np.stack([here, beside, beside + around], 1), np.stack([here, beside + around, here + around], 1)]
+    )
 
 
 def fill_outline(xy: Floats, facet_mm: float, what: str) -> tuple[Floats, Ints]:
@@ -105,7 +109,7 @@ def _inner_points(xy: Floats, facet_mm: float) -> Floats:
     points = points[inside_outline(points, xy)]
     if not len(points):
         return np.empty((0, 2))
-    return points[cKDTree(xy).query(points)[0] > _CLEAR * facet_mm]
+    return points[KDTree(xy).query(points)[0] > _CLEAR * facet_mm]
 
 
 def _delaunay_facets(xy: Floats, inner: Floats) -> Ints:

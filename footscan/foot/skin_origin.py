@@ -1,14 +1,15 @@
-"""Which skin was seen: decided from the measured points alone, by closing the cloud over gaps as wide as its stripes lie apart.
+"""Which skin was seen: decided from the measured points alone, by closing gaps as wide as the stripes lie apart.
 
-A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by the same radius
-along the skin. Gaps between neighbouring stripes close, the border of the seen region stays where the last points are.
+A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by the same
+radius along the skin. Gaps between neighbouring stripes close, the border of the seen region stays where the last
+points are.
 """
 
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from footscan.coordinates import Bools, Floats, Ints
 
@@ -41,11 +42,11 @@ class StripeSpacing:
 
     def at(self, xyz_mm: Floats) -> Floats:
         """Spacing `(n,)` at places: the closest of the three nearest probes, since probes at a border see only half."""
-        _, which = cKDTree(self.probes_mm).query(xyz_mm, k=min(3, len(self.probes_mm)), workers=-1)
+        _, which = KDTree(self.probes_mm).query(xyz_mm, k=min(3, len(self.probes_mm)), workers=-1)
         return self.spacing_mm[which.reshape(len(xyz_mm), -1)].min(axis=1)
 
 
-def find_stripe_spacing(xyz_mm: Floats, tree: cKDTree) -> StripeSpacing:
+def find_stripe_spacing(xyz_mm: Floats, tree: KDTree) -> StripeSpacing:
     """Estimate the stripe spacing from the density of points and their distance along a stripe.
 
     Args:
@@ -59,12 +60,12 @@ def find_stripe_spacing(xyz_mm: Floats, tree: cKDTree) -> StripeSpacing:
     return StripeSpacing(probes, np.pi * _PROBE_RADIUS**2 / (counts * max(along, 1e-3)))
 
 
-def find_covered(xyz_mm: Floats, tree: cKDTree, radius_mm: Floats) -> Bools:
+def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats) -> Bools:
     """Whether each place `(n, 3)` of a surface lies on skin that the points of a tree cover, see the module's text."""
     near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
     if near.all() or not near.any():
         return near
-    gap = cKDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
+    gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
     near[near] = gap > radius_mm[near]
     return near
 
@@ -75,6 +76,6 @@ def closing_radius_mm(spacing: StripeSpacing, xyz_mm: Floats) -> Floats:
 
 
 def classify(covered: Bools, v: Floats, lowest_v: Floats) -> Ints:
-    """Class `(n,)` of skin places: seen where covered, else assumed sole below the lowest seen skin and bridged above."""
+    """Class `(n,)` of skin: seen where covered, else assumed sole below the lowest seen skin, bridged above."""
     unseen = np.where(v < lowest_v, int(Origin.ASSUMED_SOLE), int(Origin.BRIDGED))
     return np.where(covered, int(Origin.SEEN), unseen)

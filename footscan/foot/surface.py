@@ -34,7 +34,8 @@ class SurfaceSettings:
         needed_share: Share of directions around the leg whose skin must reach the cut.
         closure: Name of the closure rule.
         closure_share: Rounding at the board over the foot's length.
-        closure_weight: Weight of the assumed skin against the mean weight of seen points.
+        closure_weight: Weight of the assumed skin over the mean weight of points; small, so that it pulls no seen
+            skin.
     """
 
     count_u: int = 180
@@ -45,7 +46,7 @@ class SurfaceSettings:
     needed_share: float = 0.9
     closure: ClosureName = "tangent-rounded"
     closure_share: float = 0.03
-    closure_weight: float = 0.01
+    closure_weight: float = 0.003
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,9 @@ def fit_foot_surface(
     )
 
 
-def _first_fit(cloud: _Cloud, chart: FootChart, rule: ClosureRule, settings: SurfaceSettings) -> tuple[_Cloud, AssumedSkin]:
+def _first_fit(
+    cloud: _Cloud, chart: FootChart, rule: ClosureRule, settings: SurfaceSettings
+) -> tuple[_Cloud, AssumedSkin]:
     """A coarse fit of the seen skin: drops gross errors and shows how the skin leans where it was last seen."""
     around, spans = _counts(_FIRST, len(cloud.u), settings)
     knots = row_knots(spans)
@@ -160,8 +163,8 @@ def _first_fit(cloud: _Cloud, chart: FootChart, rule: ClosureRule, settings: Sur
     gone = np.abs(distance_mm(tube, cloud.u, cloud.v, cloud.xyz)) > _TUKEY * _FIRST_TOLERANCE_MM
     if gone.mean() > 0.2:
         raise MeshError(
-            f"{gone.mean():.0%} of the points lie more than {_TUKEY * _FIRST_TOLERANCE_MM:.1f} mm from any smooth foot; "
-            "this is no foot, or it moved: scan again"
+            f"{gone.mean():.0%} of the points lie more than {_TUKEY * _FIRST_TOLERANCE_MM:.1f} mm from any smooth "
+            "foot; this is no foot, or it moved: scan again"
         )
     cloud = replace(cloud, weight=np.where(gone, 0.0, cloud.weight))
     return cloud, assume_bottom(tube, cloud.u[~gone], cloud.v[~gone], chart.axis, rule)
@@ -174,7 +177,7 @@ def _fine_fit(
     around, spans = _counts((settings.count_u, settings.spans_v), len(cloud.u), settings)
     knots = row_knots(spans)
     largest_step = (0.5 / around, 0.5 / spans)
-    assumed = np.full(len(bottom.u), settings.closure_weight * float(cloud.weight.mean()) * 2.0)
+    assumed = np.full(len(bottom.u), settings.closure_weight * float(cloud.weight.mean()))
     target = np.concatenate([cloud.xyz, bottom.xyz_mm])
     tube = SplineTube(np.zeros((len(knots) - 4, around, 3)), knots)
     for k in range(settings.passes):

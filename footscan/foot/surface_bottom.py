@@ -35,7 +35,7 @@ class AssumedSkin:
 
 
 def lowest_seen_v(u: Floats, v: Floats, columns: int) -> Floats:
-    """v `(columns,)` of the lowest seen skin at equally spaced u, steadied around the foot."""
+    """Parameters v `(columns,)` of the lowest seen skin at equally spaced u, steadied around the foot."""
     which = np.floor(u * columns).astype(np.int64) % columns
     order = np.lexsort((v, which))
     starts = np.searchsorted(which[order], np.arange(columns + 1))
@@ -66,4 +66,6 @@ def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rul
     inwards = -away / np.maximum(room, 1e-9)[:, None]
     points, along = closing_arcs(ring, inwards, lean_rad(ring - above, inwards), 0.5 * room, rule)
     count = points.shape[1]
-    return AssumedSkin(np.repeat(columns, count), (along * lowest[:, None]).ravel(), points.reshape(-1, 3), columns, lowest)
+    return AssumedSkin(
+        np.repeat(columns, count), (along * lowest[:, None]).ravel(), points.reshape(-1, 3), columns, lowest
+    )

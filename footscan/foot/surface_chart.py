@@ -1,9 +1,11 @@
-"""Where on a foot a measured point lies: a chart (u round the foot, v from the board up to the leg) unique for every point.
+"""Where on a foot a point lies: a chart, u round the foot and v from the board up to the leg, unique for every point.
 
-Skin is looked at from a slanted axis that runs from the middle of the foot up into the leg, along cones that rise outwards.
-Seen so, a foot with its toes, heel overhang and ankle bones is a graph `reach(azimuth, level)`, where a level is the height
-at which a cone leaves the axis; a coarse spline of it gives arc lengths, and these give parameters that run evenly over the skin. The least squares fit then
-moves each point's parameters to its foot on the surface, so nothing of the chart's perspective is left in the result.
+Skin is looked at from a slanted axis that runs from the middle of the foot up into the leg, along cones that rise
+outwards. Seen so, a foot with its toes, heel overhang and ankle bones is a graph `reach(azimuth, level)`, where a level
+is the height at which a cone leaves the axis; a coarse spline of it gives arc lengths, and these give parameters that
+run evenly over the skin. The least squares fit then moves each point's parameters to its foot on the surface, so that
+nothing of the chart's perspective is left in the result. Azimuths count from the direction leg -> middle of the foot,
+so a turned foot gives the same surface, turned.
 """
 
 from dataclasses import dataclass
@@ -39,6 +41,11 @@ class SlantedAxis:
     z_low_mm: float
     z_leg_mm: float
 
+    @property
+    def heading_rad(self) -> float:
+        """Direction from the leg to the middle of the foot, from +x."""
+        return float(np.arctan2(self.low_mm[1] - self.leg_mm[1], self.low_mm[0] - self.leg_mm[0]))
+
     def xy_at(self, z_mm: Floats) -> Floats:
         """`(n, 2)` place of the axis at given heights."""
         t = np.clip((z_mm - self.z_low_mm) / (self.z_leg_mm - self.z_low_mm), 0.0, 1.0)[..., None]
@@ -48,11 +55,13 @@ class SlantedAxis:
         """Azimuth (rad), level (mm) and reach (horizontal, mm) of `(n, 3)` points."""
         away = xyz_world[:, :2] - self.xy_at(xyz_world[:, 2])
         reach = np.hypot(away[:, 0], away[:, 1])
-        return np.arctan2(away[:, 1], away[:, 0]), xyz_world[:, 2] - _RISE * reach, reach
+        azimuth = np.mod(np.arctan2(away[:, 1], away[:, 0]) - self.heading_rad + np.pi, 2.0 * np.pi) - np.pi
+        return azimuth, xyz_world[:, 2] - _RISE * reach, reach
 
     def xyz_from(self, azimuth: Floats, flat_mm: Floats, z_mm: Floats) -> Floats:
         """Points `(..., 3)` at a horizontal distance from the axis."""
-        xy = self.xy_at(z_mm) + flat_mm[..., None] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+        turned = azimuth + self.heading_rad
+        xy = self.xy_at(z_mm) + flat_mm[..., None] * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
         return np.concatenate([xy, z_mm[..., None]], axis=-1)
 
 
@@ -73,7 +82,7 @@ class FootChart:
     level_mm: tuple[float, float]
 
     def parameters(self, xyz_world: Floats) -> tuple[Floats, Floats]:
-        """u and v `(n,)` of `(n, 3)` points."""
+        """Parameters u and v `(n,)` of `(n, 3)` points."""
         azimuth, level, _ = self.axis.sight(xyz_world)
         turn = (azimuth + np.pi) * (len(self.v_table) / (2.0 * np.pi))
         low, high = self.level_mm
@@ -160,7 +169,9 @@ def _arc_lengths(
     level = np.linspace(*span, _LEVELS)
     flat, z = reach, level + _RISE * reach
     place = axis.xyz_from(azimuth[:, None], flat, z)
-    length = np.concatenate([np.zeros((_AZIMUTHS, 1)), np.cumsum(np.linalg.norm(np.diff(place, axis=1), axis=2), axis=1)], axis=1)
+    length = np.concatenate(
+        [np.zeros((_AZIMUTHS, 1)), np.cumsum(np.linalg.norm(np.diff(place, axis=1), axis=2), axis=1)], axis=1
+    )
     column = np.arange(_AZIMUTHS)
     start = np.array([np.interp(lowest[k], level, length[k]) for k in column])
     top = np.array([_length_at_height(z[k], length[k], z_cut_mm) for k in column])
@@ -178,7 +189,7 @@ def _length_at_height(z: Floats, length: Floats, z_cut_mm: float) -> float:
 
 
 def _around(place: Floats, v_table: Floats) -> Floats:
-    """u `(A + 1,)`: the mean arc length around the lower two thirds of the skin, scaled to 0..1."""
+    """Table of u `(A + 1,)`: the mean arc length around the lower two thirds of the skin, scaled to 0..1."""
     step = np.linalg.norm(np.roll(place, -1, axis=0) - place, axis=2)
     lower = (v_table > 0.02) & (v_table < 0.65)
     mean = np.sqrt((step**2 * lower).sum(axis=1) / np.maximum(lower.sum(axis=1), 1))

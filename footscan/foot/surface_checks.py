@@ -1,5 +1,7 @@
 """Is this cloud one foot that can be fitted? Everything that is not is refused with what was found."""
 
+from typing import cast
+
 import numpy as np
 from scipy.ndimage import label
 
@@ -55,7 +57,8 @@ def check_border(xyz_world: Floats) -> None:
     x, y, z = np.median(xyz_world[outside], axis=0)
     raise MeshError(
         f"{int(outside.sum())} points end at the border of the view, {WORKING_RADIUS_MM:.0f} mm from the axis (around "
-        f"x = {x:.0f}, y = {y:.0f}, z = {z:.0f} mm): the foot is partly outside; move it to the middle of the board and scan again"
+        f"x = {x:.0f}, y = {y:.0f}, z = {z:.0f} mm): the foot is partly outside; "
+        "move it to the middle of the board and scan again"
     )
 
 
@@ -71,7 +74,7 @@ def main_object(xyz_world: Floats) -> Bools:
     cell = np.floor((xyz_world - xyz_world.min(axis=0)) / _VOXEL_MM).astype(np.int64)
     space = np.zeros(cell.max(axis=0) + 1, bool)
     space[cell[:, 0], cell[:, 1], cell[:, 2]] = True
-    names, count = label(space, np.ones((3, 3, 3)))
+    names, count = cast("tuple[Ints, int]", label(space, np.ones((3, 3, 3))))
     which = names[cell[:, 0], cell[:, 1], cell[:, 2]]
     sizes = np.bincount(which, minlength=count + 1)
     order = np.argsort(sizes)[::-1]
@@ -99,7 +102,9 @@ def check_shape(xyz_world: Floats) -> float:
             "check that the lengths are in millimetres and that only a foot stands on the board"
         )
     if breadth < _LEAST_BREADTH * length:
-        raise MeshError(f"the object is {length:.0f} mm long and only {breadth:.0f} mm wide, which is no foot; scan again")
+        raise MeshError(
+            f"the object is {length:.0f} mm long and only {breadth:.0f} mm wide, which is no foot; scan again"
+        )
     if height < _LEAST_HEIGHT * length:
         raise MeshError(
             f"the skin is seen only up to {height:.0f} mm above the board, a foot of {length:.0f} mm reaches higher: "

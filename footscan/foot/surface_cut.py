@@ -1,4 +1,4 @@
-"""Where the leg is cut: as high as the skin was seen nearly all around, and never below the ankle bones where those were seen."""
+"""Where the leg is cut: as high as it was seen nearly all around, never below ankle bones that were seen."""
 
 from dataclasses import dataclass
 
@@ -51,7 +51,7 @@ def find_leg_cut(xyz_world: Floats, needed_share: float) -> LegCut:
     if z < 0.1 * length:
         raise MeshError(
             f"the skin is seen only up to {z:.0f} mm above the board, a foot of {length:.0f} mm needs its instep "
-            f"({0.25 * length:.0f} mm at least): this looks like a plantar scan or an object that is no foot; scan again"
+            f"({0.25 * length:.0f} mm at least): this looks like a plantar scan or no foot at all; scan again"
         )
     return _cut(tops, z, "kept above the ankle bones, although less of the leg was seen than wanted")
 
@@ -67,7 +67,10 @@ def azimuth_tops(xyz_world: Floats, ankle_mm: float) -> Floats:
     leg = xyz_world[(z > 0.8 * top) & (z < 1.3 * top)][:, :2]
     middle, _ = box_middle(leg)
     away = xyz_world[:, :2] - np.array(middle)
-    which = np.floor((np.arctan2(away[:, 1], away[:, 0]) + np.pi) * (_AZIMUTHS / (2.0 * np.pi))).astype(np.int64) % _AZIMUTHS
+    which = (
+        np.floor((np.arctan2(away[:, 1], away[:, 0]) + np.pi) * (_AZIMUTHS / (2.0 * np.pi))).astype(np.int64)
+        % _AZIMUTHS
+    )
     tops = np.zeros(_AZIMUTHS)
     for k in range(_AZIMUTHS):
         column = z[which == k]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import trimesh
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
@@ -12,6 +12,7 @@ from footscan.foot.surface import FootSurface
 
 FACET_MM = 2.0
 _NEAR_POINTS = 4
+_ONE_LASER = 1.5  # of the closing radius: one laser's stripes lie twice as far apart as both lasers'
 
 
 def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trimesh.Trimesh:
@@ -32,45 +33,49 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
     mesh = trimesh.Trimesh(skin.xyz_mm, skin.facets, process=False, validate=False)
     if not mesh.is_watertight or mesh.volume <= 0.0:
         raise MeshError("the fitted surface does not enclose a foot; scan again or filter the cloud more strongly")
-    origin, sheets = _origin_and_sheets(surface, skin)
+    used = surface.weight > 0.0
+    tree = KDTree(surface.xyz_world[used], balanced_tree=False)
+    origin, sheets = _origin_and_sheets(surface, skin, used, tree)
+    residual = _residuals(surface.residual_mm[used], tree, skin.xyz_mm, origin == Origin.SEEN)
     mesh.vertex_attributes["origin"] = origin.astype(np.uint8)
     mesh.vertex_attributes["sheets"] = sheets.astype(np.uint8)
-    mesh.vertex_attributes["residual_mm"] = _residuals(surface, skin.xyz_mm, origin == Origin.SEEN).astype(np.float32)
+    mesh.vertex_attributes["residual_mm"] = residual.astype(np.float32)
     return mesh
 
 
-def _origin_and_sheets(surface: FootSurface, skin: SkinMesh) -> tuple[Ints, Ints]:
-    used = surface.weight > 0.0
+def _origin_and_sheets(surface: FootSurface, skin: SkinMesh, used: Bools, tree: KDTree) -> tuple[Ints, Ints]:
     points, laser = surface.xyz_world[used], surface.laser[used]
     places = skin.xyz_mm[: len(skin.u)]
-    tree = cKDTree(points, balanced_tree=False)
     radius = closing_radius_mm(find_stripe_spacing(points, tree), places)
     covered = find_covered(places, tree, radius)
-    by_laser = [_covered_by(points[laser == k], places, radius) for k in (0, 1)]
-    sheets = np.where(covered, np.maximum(by_laser[0].astype(np.int64) + by_laser[1], 1), 0)
     lowest = np.interp(skin.u, surface.lowest_u, surface.lowest_v, period=1.0)
     origin = classify(covered, skin.v, lowest)
     origin[: skin.count_around] = Origin.ASSUMED_SOLE
     origin[-skin.count_around :] = Origin.CUT
-    flat = np.full(len(skin.xyz_mm) - len(skin.u), int(Origin.CUT))
+    seen = origin == Origin.SEEN
+    sheets = np.zeros(len(places), np.int64)
+    sheets[seen] = np.maximum(count_sheets(places[seen], points, laser, _ONE_LASER * radius[seen]), 1)
+    flat = np.full(len(skin.xyz_mm) - len(places), int(Origin.CUT))
     flat[: skin.count_sole] = Origin.ASSUMED_SOLE
-    return np.concatenate([origin, flat]), np.concatenate([sheets * (origin == Origin.SEEN), np.zeros(len(flat), np.int64)])
+    return np.concatenate([origin, flat]), np.concatenate([sheets, np.zeros(len(flat), np.int64)])
 
 
-def _covered_by(points: Floats, places: Floats, radius_mm: Floats) -> Bools:
-    """Coverage by one laser alone, whose stripes lie twice as far apart."""
-    if len(points) < 2:
-        return np.zeros(len(places), bool)
-    return find_covered(places, cKDTree(points, balanced_tree=False), 1.5 * radius_mm)
+def count_sheets(places_mm: Floats, points_mm: Floats, laser: Ints, radius_mm: Floats) -> Ints:
+    """How many of the two lasers `(n,)` measured a point within a radius of each place."""
+    count = np.zeros(len(places_mm), np.int64)
+    for name in (0, 1):
+        own = points_mm[laser == name]
+        if len(own):
+            bound = float(radius_mm.max(initial=0.1))
+            gap, _ = KDTree(own, balanced_tree=False).query(places_mm, distance_upper_bound=bound, workers=-1)
+            count += gap <= radius_mm
+    return count
 
 
-def _residuals(surface: FootSurface, xyz_mm: Floats, seen: Bools) -> Floats:
+def _residuals(residual_mm: Floats, tree: KDTree, xyz_mm: Floats, seen: Bools) -> Floats:
     """RMS residual of the nearest points at seen vertices, NaN elsewhere."""
-    used = surface.weight > 0.0
     result = np.full(len(xyz_mm), np.nan)
     if seen.any():
-        count = min(_NEAR_POINTS, int(used.sum()))
-        _, near = cKDTree(surface.xyz_world[used], balanced_tree=False).query(xyz_mm[seen], k=count, workers=-1)
-        squares = surface.residual_mm[used][near.reshape(int(seen.sum()), -1)] ** 2
-        result[seen] = np.sqrt(squares.mean(axis=1))
+        _, near = tree.query(xyz_mm[seen], k=min(_NEAR_POINTS, len(residual_mm)), workers=-1)
+        result[seen] = np.sqrt((residual_mm[near.reshape(int(seen.sum()), -1)] ** 2).mean(axis=1))
     return result
