@@ -59,54 +59,63 @@ def draw_light(
         nearest_to_camera: Depth picture.
         picture: `(height, width)` grey values, changed.
     """
-    laser_x, laser_y, sigma = numbers[LASER_X], numbers[LASER_Y], numbers[LAYER_SIGMA]
-    blur2 = numbers[BLUR_PX] * numbers[BLUR_PX]
+    laser_x, laser_y, spread = numbers[LASER_X], numbers[LASER_Y], numbers[SPREAD_SHARE]
     for i in range(begin, end):
-        x0, y0, x1, y1 = pieces[i, 0], pieces[i, 1], pieces[i, 2], pieces[i, 3]
-        nx, ny, nz = pieces[i, 4], pieces[i, 5], pieces[i, 6]
-        x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-        grey = _grey_of_surface(x, y, z_light, nx, ny, nz, numbers, eye)
+        piece = pieces[i]
+        grey = _grey_of_surface(piece, z_light, numbers, eye)
         if grey <= 0.0:
             continue
-        u0, v0, inverse0 = project(x0, y0, z_light, camera_from_light, lens)
-        u1, v1, inverse1 = project(x1, y1, z_light, camera_from_light, lens)
-        if inverse0 <= 0.0 or inverse1 <= 0.0:
-            continue
-        u, v, inverse = project(x, y, z_light, camera_from_light, lens)
-        sine = np.sqrt(max(1.0 - nz * nz, 1e-12))
-        probe = _PROBE_MM / sine
-        au, av, _ = project(
-            x - nz * nx * probe, y - nz * ny * probe, z_light + sine * sine * probe, camera_from_light, lens
-        )
-        across_u, across_v = _limited((au - u) / _PROBE_MM, (av - v) / _PROBE_MM, sigma / max(sine, SHALLOWEST))
-        strokes = max(int(np.ceil(np.hypot(u1 - u0, v1 - v0) / STROKE_PX)), 1)
-        along_u, along_v = (u1 - u0) / strokes, (v1 - v0) / strokes
-        light = grey * np.sqrt(2.0 * np.pi) * abs(along_u * across_v - along_v * across_u)
-        uu = across_u * across_u + along_u * along_u / 12.0 + blur2
-        uv = across_u * across_v + along_u * along_v / 12.0
-        vv = across_v * across_v + along_v * along_v / 12.0 + blur2
-        spread = numbers[SPREAD_SHARE]
-        spread_px = numbers[SPREAD_MM] * lens[6] * inverse / (0.5 * (lens[0] + lens[1]))
+        strokes, light, uu, uv, vv, wide = _strokes(piece, z_light, grey, numbers, camera_from_light, lens)
         for k in range(strokes):
             t = (k + 0.5) / strokes
-            x, y = x0 + t * (x1 - x0), y0 + t * (y1 - y0)
+            x, y = piece[0] + t * (piece[2] - piece[0]), piece[1] + t * (piece[3] - piece[1])
             if floor[0] * x + floor[1] * y + floor[2] * z_light < floor[3]:
                 continue
             if not is_lit(x, y, laser_x, laser_y, nearest_to_laser):
                 continue
             u, v, inverse = project(x, y, z_light, camera_from_light, lens)
-            if not is_seen(u, v, inverse, nearest_to_camera):
-                continue
-            add_spot(picture, u, v, light * (1.0 - spread), uu, uv, vv)
-            if spread > 0.0:
-                add_spot(picture, u, v, light * spread, uu + spread_px * spread_px, uv, vv + spread_px * spread_px)
+            if is_seen(u, v, inverse, nearest_to_camera):
+                add_spot(picture, u, v, light * (1.0 - spread), uu, uv, vv)
+                if spread > 0.0:
+                    add_spot(picture, u, v, light * spread, uu + wide, uv, vv + wide)
+
+
+@compiled
+def _strokes(
+    piece: Floats, z_light: float, grey: float, numbers: Floats, camera_from_light: Floats, lens: Floats
+) -> tuple[int, float, float, float, float, float]:
+    """How a piece is drawn: number of strokes (0 behind the lens), light of each, covariance (uu, uv, vv) of its spot
+    and what the spread inside the skin adds to it (px^2)."""
+    x, y = 0.5 * (piece[0] + piece[2]), 0.5 * (piece[1] + piece[3])
+    nx, ny, nz = piece[4], piece[5], piece[6]
+    u0, v0, inverse0 = project(piece[0], piece[1], z_light, camera_from_light, lens)
+    u1, v1, inverse1 = project(piece[2], piece[3], z_light, camera_from_light, lens)
+    if inverse0 <= 0.0 or inverse1 <= 0.0:
+        return 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    sine = np.sqrt(max(1.0 - nz * nz, 1e-12))
+    probe = _PROBE_MM / sine
+    u, v, inverse = project(x, y, z_light, camera_from_light, lens)
+    au, av, _ = project(
+        x - nz * nx * probe, y - nz * ny * probe, z_light + sine * sine * probe, camera_from_light, lens
+    )
+    sigma_mm = numbers[LAYER_SIGMA] / max(sine, SHALLOWEST)
+    across_u, across_v = _limited((au - u) / _PROBE_MM, (av - v) / _PROBE_MM, sigma_mm)
+    count = max(int(np.ceil(np.hypot(u1 - u0, v1 - v0) / STROKE_PX)), 1)
+    along_u, along_v = (u1 - u0) / count, (v1 - v0) / count
+    light = grey * np.sqrt(2.0 * np.pi) * abs(along_u * across_v - along_v * across_u)
+    blur2 = numbers[BLUR_PX] * numbers[BLUR_PX]
+    uu = across_u * across_u + along_u * along_u / 12.0 + blur2
+    uv = across_u * across_v + along_u * along_v / 12.0
+    vv = across_v * across_v + along_v * along_v / 12.0 + blur2
+    spread_px = numbers[SPREAD_MM] * lens[6] * inverse / (0.5 * (lens[0] + lens[1]))
+    return count, light, uu, uv, vv, spread_px * spread_px
 
 
 @compiled_inline
-def _grey_of_surface(
-    x: float, y: float, z: float, nx: float, ny: float, nz: float, numbers: Floats, eye: Floats
-) -> float:
+def _grey_of_surface(piece: Floats, z: float, numbers: Floats, eye: Floats) -> float:
     """Lambert's cosine times the falloff of a fan of light (1 / distance); 0 where laser or camera is behind."""
+    x, y = 0.5 * (piece[0] + piece[2]), 0.5 * (piece[1] + piece[3])
+    nx, ny, nz = piece[4], piece[5], piece[6]
     to_x, to_y = numbers[LASER_X] - x, numbers[LASER_Y] - y
     distance = np.hypot(to_x, to_y)
     cosine = (nx * to_x + ny * to_y) / distance

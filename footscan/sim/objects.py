@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from footscan.coordinates import Floats, Ints, Side
+from footscan.coordinates import WORKING_RADIUS_MM, Floats, Ints, Side
+from footscan.errors import InputError
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import Surface, load_surface, stand_on_board, surface_from_trimesh
 
@@ -36,7 +37,16 @@ def build_object(name: str, unit: str = "mm", side: Side = "left", size: float =
         case "cylinder":
             return build_cylinder(40.0, 120.0)
         case _:
-            return stand_on_board(load_surface(Path(name), unit))
+            return _within_reach(stand_on_board(load_surface(Path(name), unit)), name)
+
+
+def _within_reach(surface: Surface, name: str) -> Surface:
+    reach_mm = float(np.hypot(surface.xyz_world[:, 0], surface.xyz_world[:, 1]).max())
+    if reach_mm > WORKING_RADIUS_MM:
+        raise InputError(
+            f"{name} reaches {reach_mm:.0f} mm from the axis; at most {WORKING_RADIUS_MM:.0f} mm are seen. Check --unit."
+        )
+    return surface
 
 
 def build_sphere(radius_mm: float, centre_world: Floats, subdivisions: int = 5) -> Surface:

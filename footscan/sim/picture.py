@@ -38,7 +38,7 @@ class PictureSettings:
         board_grey: The same for the footboard.
         spread_share: Share of the light that comes back from inside the skin.
         spread_mm: How far (standard deviation).
-        blur_px: Blur of the lens (standard deviation).
+        blur_px: Blur of the lens and of the pixels' own width (standard deviation).
         ambient_skin_grey: Ambient light on skin facing the lamps above; a third of it where turned away.
         ambient_board_grey: Ambient light on the board.
         board_radius_mm: Radius of the round footboard.

@@ -28,13 +28,16 @@ def test_mesh_file_is_read_in_its_unit_and_put_on_the_board(tmp_path: Path):
     assert surface.closed
 
 
-def test_wrong_unit_unknown_file_and_empty_file_are_named(tmp_path: Path):
+def test_wrong_unit_unknown_file_empty_file_and_oversize_are_named(tmp_path: Path):
     trimesh.creation.box([0.25, 0.1, 0.08]).export(tmp_path / "box.stl")
     (tmp_path / "empty.stl").write_bytes(b"")
     with pytest.raises(InputError, match=r"0\.25 mm long when read in mm"):
         build_object(str(tmp_path / "box.stl"))
     with pytest.raises(InputError, match="found 'inch'"):
         build_object(str(tmp_path / "box.stl"), unit="inch")
+    trimesh.creation.box([500.0, 100.0, 80.0]).export(tmp_path / "long.stl")
+    with pytest.raises(InputError, match="reaches 255 mm from the axis; at most 200 mm are seen"):
+        build_object(str(tmp_path / "long.stl"))
     with pytest.raises(InputError, match="no mesh file"):
         build_object(str(tmp_path / "nothing.stl"))
     with pytest.raises(InputError, match=r"empty\.stl"):
