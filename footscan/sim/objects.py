@@ -44,7 +44,7 @@ def _within_reach(surface: Surface, name: str) -> Surface:
     reach_mm = float(np.hypot(surface.xyz_world[:, 0], surface.xyz_world[:, 1]).max())
     if reach_mm > WORKING_RADIUS_MM:
         raise InputError(
-            f"{name} reaches {reach_mm:.0f} mm from the axis; at most {WORKING_RADIUS_MM:.0f} mm are seen. Check --unit."
+            f"{name} spans {reach_mm:.0f} mm from the axis; at most {WORKING_RADIUS_MM:.0f} mm is seen; check --unit."
         )
     return surface
 

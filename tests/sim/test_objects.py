@@ -36,7 +36,7 @@ def test_wrong_unit_unknown_file_empty_file_and_oversize_are_named(tmp_path: Pat
     with pytest.raises(InputError, match="found 'inch'"):
         build_object(str(tmp_path / "box.stl"), unit="inch")
     trimesh.creation.box([500.0, 100.0, 80.0]).export(tmp_path / "long.stl")
-    with pytest.raises(InputError, match="reaches 255 mm from the axis; at most 200 mm are seen"):
+    with pytest.raises(InputError, match="spans 255 mm from the axis; at most 200 mm is seen"):
         build_object(str(tmp_path / "long.stl"))
     with pytest.raises(InputError, match="no mesh file"):
         build_object(str(tmp_path / "nothing.stl"))
