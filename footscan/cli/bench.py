@@ -48,7 +48,7 @@ def bench_stripe(
     STDOUT.print(_timing_table(timings))
     STDOUT.print(_accuracy_table(accuracy))
     STDOUT.print(
-        f"Step of 20 px, within 5 rows: RMS {step.rms_px:.4f} px, {100 * step.share_within_006:.1f} % within 0.06 px, "
+        f"Step of 20 px, within 5 rows: RMS {step.rms_px:.4f} px, {100 * step.share_within_006:.1f} % to 0.06 px, "
         f"largest {step.largest_px:.3f} px, at most {step.most_rows_dropped} rows dropped (limit 3), {step.ghosts} ghosts"
     )
 

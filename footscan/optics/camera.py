@@ -6,7 +6,6 @@ import numpy as np
 
 from footscan.coordinates import Floats
 
-
 _WIDEST = 4.0  # a distorted radius more than this times the undistorted one is no lens
 
 

@@ -1,5 +1,4 @@
 import numpy as np
-
 from footscan.geometry.bodies import label_bodies
 from footscan.geometry.nearest import PointTree
 

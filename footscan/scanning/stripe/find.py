@@ -40,7 +40,7 @@ class StripeSettings:
         sigma_px: Narrowest and widest stripe (standard deviation across) that light can make.
         steepest_along: Largest relative change of brightness along the stripe, 1/px.
         roundest: Largest curvature along the stripe relative to that across it (a round speck has 1).
-        fewest_neighbours: Points within 5 px, itself included, below which a speck is no stripe.
+        fewest_neighbours: Points within 7 px, itself included, below which a speck is no stripe.
         roughest_px: Largest RMS distance of the neighbours from their own quadratic.
         end_px: A point whose brightness changes along the stripe needs a neighbour this far on both sides.
     """

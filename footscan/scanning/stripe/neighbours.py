@@ -7,10 +7,13 @@ reaches over a gap or a step, because only points that continue the same directi
 import numpy as np
 
 from footscan.compiled import compiled, compiled_inline
-from footscan.coordinates import Floats, Floats32, Ints
+from footscan.coordinates import Floats32, Ints
 
-REACH_PX = 5
-_FADING = 0.06  # 1/px: relative slope of the brightness along the stripe that marks an end
+Moments = tuple[float, float, float, float]
+
+REACH_PX = 7
+_FEW = 64
+_FADING = 0.03  # 1/px: relative slope of the brightness along the stripe that marks an end
 _SLIP_PX = 1.0  # a neighbour this far across the stripe is another stripe
 _BOTH_SIDES_PX = 1.5
 _PARALLEL_PX = 4.0
@@ -78,56 +81,53 @@ def judge_points(
         verdict: `(>= count, 3)` result; the shift is px along the point's normal to the fitted quadratic.
     """
     height = starts.shape[0] - 1
-    sums = np.empty(8, dtype=np.float64)
     for i in range(count):
         u, v, nu, nv = points[i, 0], points[i, 1], points[i, 4], points[i, 5]
         row = _pixel(v, height)
-        sums[:] = 0.0
+        first, last = max(row - REACH_PX, 0), min(row + REACH_PX, height - 1)
+        few = starts[last + 1] - starts[first] <= _FEW  # then one run over all rows is faster than a search in each
+        s1 = s2 = s3 = s4 = y0 = y1 = y2 = yy = 0.0
         lowest, highest = 0.0, 0.0
         members, rival = 0, False
-        for other_row in range(max(row - REACH_PX, 0), min(row + REACH_PX, height - 1) + 1):
+        for other_row in range(last if few else first, last + 1):
             end = starts[other_row + 1]
-            j = _first_from(points, starts[other_row], end, u - REACH_PX - 0.5)
-            while j < end and points[j, 0] <= u + REACH_PX + 0.5:
+            j = starts[first] if few else _first_from(points, starts[other_row], end, u - REACH_PX - 0.5)
+            while j < end and (few or points[j, 0] <= u + REACH_PX + 0.5):
                 du, dv = points[j, 0] - u, points[j, 1] - v
-                across, along = du * nu + dv * nv, dv * nu - du * nv
-                slip = abs(across)
-                if slip < _SLIP_PX + 0.25 * abs(along):
-                    if abs(points[j, 4] * nu + points[j, 5] * nv) > _SAME_DIRECTION and abs(along) < REACH_PX + 0.5:
+                d, t = du * nu + dv * nv, dv * nu - du * nv
+                slip = abs(d)
+                if slip < _SLIP_PX + 0.25 * abs(t):
+                    if abs(points[j, 4] * nu + points[j, 5] * nv) > _SAME_DIRECTION and abs(t) < REACH_PX + 0.5:
                         members += 1
-                        lowest, highest = min(lowest, along), max(highest, along)
-                        _add(sums, along, across)
-                elif slip < _PARALLEL_PX and abs(along) < 1.5 and points[j, 2] > 1.25 * points[i, 2]:
+                        lowest, highest = min(lowest, t), max(highest, t)
+                        t2 = t * t
+                        s1, s2, s3, s4 = s1 + t, s2 + t2, s3 + t2 * t, s4 + t2 * t2
+                        y0, y1, y2, yy = y0 + d, y1 + d * t, y2 + d * t2, yy + d * d
+                elif slip < _PARALLEL_PX and abs(t) < 1.5 and points[j, 2] > 1.25 * points[i, 2]:
                     rival = True
                 j += 1
         inner = 4.0 < u < width - 5.0 and 4.0 < v < height - 5.0
         is_end = inner and (lowest > -end_px or highest < end_px) and abs(points[i, 6]) > _FADING
         verdict[i, 0] = 0.0 if members < fewest or rival or is_end else 1.0
-        _place_at_zero(sums, members, lowest < -_BOTH_SIDES_PX and highest > _BOTH_SIDES_PX, verdict[i])
+        both_sides = lowest < -_BOTH_SIDES_PX and highest > _BOTH_SIDES_PX
+        verdict[i, 1], verdict[i, 2] = _place_at_zero((s1, s2, s3, s4), (y0, y1, y2, yy), members, both_sides)
 
 
 @compiled_inline
-def _add(sums: Floats, t: float, d: float) -> None:
-    t2 = t * t
-    sums[0] += t
-    sums[1] += t2
-    sums[2] += t2 * t
-    sums[3] += t2 * t2
-    sums[4] += d
-    sums[5] += d * t
-    sums[6] += d * t2
-    sums[7] += d * d
-
-
-@compiled_inline
-def _place_at_zero(sums: Floats, members: int, both_sides: bool, verdict: Floats32) -> None:
+def _place_at_zero(powers: Moments, mixed: Moments, members: int, both_sides: bool) -> tuple[float, float]:
     """Value at 0 and residual RMS of the least-squares quadratic.
 
     Where the stripe ends and only one side is known a quadratic would amplify noise: a line is taken there.
+
+    Args:
+        powers: Sums of t, t2, t3, t4 over the neighbours (t along the stripe).
+        mixed: Sums of d, d t, d t2, d2 (d across it).
+        members: Number of neighbours.
+        both_sides: Whether they lie on both sides.
     """
     n = float(members)
-    s1, s2, s3, s4 = sums[0], sums[1], sums[2], sums[3]
-    y0, y1, y2, yy = sums[4], sums[5], sums[6], sums[7]
+    s1, s2, s3, s4 = powers
+    y0, y1, y2, yy = mixed
     c00, c01, c02 = s2 * s4 - s3 * s3, s2 * s3 - s1 * s4, s1 * s3 - s2 * s2
     determinant = n * c00 + s1 * c01 + s2 * c02
     if both_sides and members >= 5 and determinant > 1e-3 * n * s2 * s4:
@@ -135,11 +135,9 @@ def _place_at_zero(sums: Floats, members: int, both_sides: bool, verdict: Floats
         a = (c00 * y0 + c01 * y1 + c02 * y2) / determinant
         b = (c01 * y0 + c11 * y1 + c12 * y2) / determinant
         c = (c02 * y0 + c12 * y1 + c22 * y2) / determinant
-        verdict[1], verdict[2] = a, np.sqrt(max(yy - a * y0 - b * y1 - c * y2, 0.0) / n)
-        return
+        return a, np.sqrt(max(yy - a * y0 - b * y1 - c * y2, 0.0) / n)
     determinant = n * s2 - s1 * s1
     if members >= 3 and determinant > 1e-3 * n * s2:
         a, b = (s2 * y0 - s1 * y1) / determinant, (n * y1 - s1 * y0) / determinant
-        verdict[1], verdict[2] = a, np.sqrt(max(yy - a * y0 - b * y1, 0.0) / n)
-        return
-    verdict[1], verdict[2] = 0.0, np.sqrt(yy / max(n, 1.0))
+        return a, np.sqrt(max(yy - a * y0 - b * y1, 0.0) / n)
+    return 0.0, np.sqrt(yy / max(n, 1.0))
