@@ -5,7 +5,7 @@ vertical through the pternion on the board. z = 0 stays the board of the input: 
 is not pushed down.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -23,10 +23,11 @@ from footscan.foot.outline import (
     find_outline,
     length_from_heel,
     medial_tangent,
+    shifted,
     side_at,
     turned,
 )
-from footscan.foot.shape import check_shape, is_stump, rough_heading, side_score
+from footscan.foot.shape import check_shape, is_stump, rough_heading, side_score, standing_questions
 from footscan.foot.shell import Shell
 
 AxisName = Literal["A1", "A2", "A4", "A5"]
@@ -104,11 +105,12 @@ def align_foot(
     if side not in ("left", "right", None):
         raise MeshError(f"side {side!r}: allowed are left and right")
     heading = rough_heading(shell)
-    check_shape(shell, heading)
     outline = find_outline(shell, OUTLINE_HEIGHT_SHARE * heading.length_mm)
+    check_shape(shell, outline, heading)
     score = side_score(shell, outline, heading)
     shape_side: Side | None = None if abs(score) < _SURE_SCORE else ("right" if score > 0 else "left")
     used, questions = _side(side, shape_side)
+    questions += standing_questions(shell, heading.length_mm)
     mirrored = used == "left"
     marks = {name: np.asarray(xyz, dtype=np.float64)[:2] for name, xyz in (given or {}).items()}
     left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")
@@ -116,7 +118,7 @@ def align_foot(
     in_frame = turned(outline, forward, mirrored=mirrored)
     length = float(np.ptp(in_frame.xy[:, 0]))
     transform = _frame(in_frame, forward, marks, mirrored=mirrored)
-    in_frame = Outline(in_frame.xy + transform[:2, 3], in_frame.vertex)
+    in_frame = shifted(in_frame, transform[:2, 3])
     reference = _reference(in_frame, left)
     return Alignment(transform, used, shape_side, axis, length, reference, left, in_frame, questions)
 
@@ -131,17 +133,32 @@ def fit_axis(
     front: Front = "whole",
 ) -> Floats:
     """Unit direction `(2,)` of the foot axis, from a rough one, by turning until pternion and ball agree with it."""
-    forward = xy_forward
-    for _ in range(100):
-        frame = np.stack([forward, _medial(forward, mirrored=mirrored)], axis=1)
-        in_frame = turned(outline, forward, mirrored=mirrored)
-        marks_frame = {name: xy @ frame for name, xy in marks.items()}
-        step = _axis_direction(in_frame, axis, marks_frame, front)
-        forward = frame @ step
-        forward /= np.linalg.norm(forward)
-        if abs(step[1]) < 1e-13:
+    start = np.stack([xy_forward, _medial(xy_forward, mirrored=mirrored)], axis=1)
+
+    def lean(angle: float) -> float:
+        """By how much the axis leans to medial in a frame turned to medial by an angle."""
+        turn = start @ np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        in_frame = turned(outline, turn[:, 0], mirrored=mirrored)
+        step = _axis_direction(in_frame, axis, {name: xy @ turn for name, xy in marks.items()}, front)
+        return float(np.arctan2(step[1], step[0]))
+
+    angle = _fixed_point(lean)
+    return start @ np.array([np.cos(angle), np.sin(angle)])
+
+
+def _fixed_point(lean: Callable[[float], float]) -> float:
+    """The angle (rad) at which `lean` is 0: steps of the lean itself, and secants once they have come near."""
+    before, lean_before = 0.0, lean(0.0)
+    angle = lean_before
+    for _ in range(60):
+        now = lean(angle)
+        if abs(now) < 1e-11:
             break
-    return forward
+        slope = (now - lean_before) / (angle - before) if angle != before else -1.0
+        step = -now / slope if abs(now) < 0.02 and -2.0 < slope < -0.2 else now
+        before, lean_before = angle, now
+        angle += step
+    return angle
 
 
 def _reference(outline: Outline, front: Front) -> float:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from footscan.coordinates import Floats
+from footscan.foot.align import AxisName, fit_axis
 from footscan.foot.clip import cut_below
 from footscan.foot.girth import Girth, find_smallest, measure_girth
 from footscan.foot.landmarks import Landmark, Landmarks
@@ -63,6 +64,17 @@ class Entry:
 
 def _along(first: str, second: str) -> Callable[[StandingFoot, Landmarks], Reading]:
     return lambda _, marks: Reading(float(_between(marks[first], marks[second])[0]))
+
+
+def _length_along(axis: AxisName) -> Callable[[StandingFoot, Landmarks], Reading]:
+    """Extent of the low skin along another definition of the foot axis."""
+
+    def measure(foot: StandingFoot, marks: Landmarks) -> Reading:
+        outline = foot.alignment.outline
+        xy_given = {name: xyz[:2] for name, xyz in foot.given.items()}
+        return Reading(float(np.ptp(outline.xy @ fit_axis(outline, _X[:2], axis, xy_given, mirrored=False))))
+
+    return measure
 
 
 def _across(first: str, second: str) -> Callable[[StandingFoot, Landmarks], Reading]:
@@ -207,6 +219,13 @@ CATALOGUE: tuple[Entry, ...] = (
         "pternion to the longest toe, along the foot axis",
         ("pternion", "foremost_point"),
         _along("pternion", "foremost_point"),
+    ),
+    Entry(
+        "foot_length_a1",
+        "mm",
+        "extent along the axis from the pternion to the tip of the second toe (A1)",
+        ("pternion", "toe_2_tip"),
+        _length_along("A1"),
     ),
     Entry(
         "ball_length",

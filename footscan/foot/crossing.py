@@ -122,3 +122,36 @@ def hull_perimeter_mm(points: Floats) -> float:
     """Length of a tape round `(n, 2)` points."""
     corner = points[convex_hull(points)]
     return float(np.linalg.norm(np.diff(corner, axis=0, append=corner[:1]), axis=1).sum())
+
+
+@compiled
+def find_silhouette(xy: Floats, faces: Ints, first_x: float, step_x: float, count: int) -> Floats:
+    """Lowest and highest y of some triangles at evenly spaced x.
+
+    Args:
+        xy: `(n, 2)` corners.
+        faces: `(m, 3)` triangles.
+        first_x: The first place.
+        step_x: Distance between places.
+        count: How many.
+
+    Returns:
+        `(count, 2)` lowest and highest y; infinite where no triangle is.
+    """
+    result = np.empty((count, 2))
+    result[:, 0] = np.inf
+    result[:, 1] = -np.inf
+    for f in range(faces.shape[0]):
+        for side in range(3):
+            a, b = faces[f, side], faces[f, (side + 1) % 3]
+            if xy[a, 0] > xy[b, 0]:
+                a, b = b, a
+            low = max(int(np.ceil((xy[a, 0] - first_x) / step_x)), 0)
+            high = min(int(np.floor((xy[b, 0] - first_x) / step_x)), count - 1)
+            for k in range(low, high + 1):
+                width = xy[b, 0] - xy[a, 0]
+                share = (first_x + k * step_x - xy[a, 0]) / width if width > 0.0 else 0.0
+                y = xy[a, 1] + share * (xy[b, 1] - xy[a, 1])
+                result[k, 0] = min(result[k, 0], y)
+                result[k, 1] = max(result[k, 1], y)
+    return result

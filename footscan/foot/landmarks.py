@@ -118,7 +118,7 @@ def _bulge(
 def _foremost(foot: StandingFoot, _: Landmarks) -> Landmark:
     outline = foot.alignment.outline
     front = int(outline.xy[:, 0].argmax())
-    return Landmark(np.array([*outline.xy[front], foot.shell_height_at(int(outline.vertex[front]))]))
+    return Landmark(np.array([*outline.xy[front], foot.shell_height_at(outline.vertex_of_corner(front))]))
 
 
 def _toe_1_tip(foot: StandingFoot, found: Landmarks) -> Landmark | Missing:
@@ -139,7 +139,7 @@ def _toe_2_tip(foot: StandingFoot, found: Landmarks) -> Landmark | Missing:
         return "not applicable: no ball to tell the toes apart by"
     xy = toe_2_place(foot.alignment.outline, float(medial.xyz_foot[1]), float(lateral.xyz_foot[1]))
     near = int(np.linalg.norm(foot.alignment.outline.xy - xy, axis=1).argmin())
-    height = foot.shell_height_at(int(foot.alignment.outline.vertex[near]))
+    height = foot.shell_height_at(foot.alignment.outline.vertex_of_corner(near))
     return Landmark(np.array([*xy, height]), doubts=(f"{NEEDS_HAND}: toe_2_tip is taken from the outline's front",))
 
 
@@ -263,13 +263,13 @@ RULES: tuple[LandmarkRule, ...] = (
     LandmarkRule("foremost_point", "foremost skin below 16 % of the length in height: the longest toe", _foremost),
     LandmarkRule(
         "metatarsale_tibiale",
-        "most medial outline at 62-80 % of the length",
+        "top of the medial bulge of the skin from above, at 62-80 % of the length",
         _bulge("metatarsale_tibiale", MTH1_WINDOW, 1.0),
         "mth_1",
     ),
     LandmarkRule(
         "metatarsale_fibulare",
-        "most lateral outline at 52-72 % of the length",
+        "top of the lateral bulge of the skin from above, at 52-72 % of the length",
         _bulge("metatarsale_fibulare", MTH5_WINDOW, -1.0),
         "mth_5",
     ),

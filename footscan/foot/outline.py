@@ -1,17 +1,19 @@
 """The foot seen from above: its convex outline, and the few places on it that fix the foot axis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from footscan.coordinates import Floats, Ints
-from footscan.foot.crossing import convex_hull
+from footscan.foot.crossing import convex_hull, find_silhouette
 from footscan.foot.shell import Shell
 
 CAP_SHARE = 0.01
 """Depth, as a share of foot length, of the cap whose middle stands for a tangent point: a flat curve has no
 sharp extreme."""
-BALL_CAP_SHARE = 0.02
+_STEP_SHARE, _PARABOLA_SHARE, _TOP_SHARE, _CLEAR_BULGE_SHARE = 0.005, 0.06, 0.025, 0.001
+"""For the ball, as shares of the length: spacing of the silhouette, half widths of the parabolas that give place and
+height of a bulge, and depth of a dip that parts two bulges."""
 HEEL_BREADTH_SHARE = 0.16
 HEEL_BREADTHS_PER_LENGTH = 3.7
 """Foot length over heel breadth (ANSUR II: 3.74 men, 3.67 women), for feet whose front is missing."""
@@ -21,10 +23,22 @@ MTH5_WINDOW = (0.52, 0.72)
 
 @dataclass(frozen=True)
 class Outline:
-    """Convex outline of the skin below some height: `xy` `(k, 2)` counter-clockwise, `vertex` `(k,)` in the shell."""
+    """The skin below some height, from above.
+
+    `xy` `(k, 2)` is its convex hull, counter-clockwise, and `corner` `(k,)` the hull's places in `xy_skin` `(n, 2)`,
+    which is all of that skin; `vertex` `(n,)` are its numbers in the shell, `faces` `(m, 3)` its triangles (none in a
+    cloud).
+    """
 
     xy: Floats
+    corner: Ints
+    xy_skin: Floats
     vertex: Ints
+    faces: Ints
+
+    def vertex_of_corner(self, corner: int) -> int:
+        """Number in the shell of a corner of the hull."""
+        return int(self.vertex[self.corner[corner]])
 
 
 @dataclass(frozen=True)
@@ -40,17 +54,27 @@ class Extreme:
 def find_outline(shell: Shell, height_mm: float) -> Outline:
     """Convex outline from above of the skin below `height_mm`."""
     vertex = np.flatnonzero(shell.xyz[:, 2] <= height_mm)
-    corner = vertex[convex_hull(shell.xyz[vertex, :2])]
-    return Outline(shell.xyz[corner, :2], corner)
+    xy = np.ascontiguousarray(shell.xyz[vertex, :2])
+    corner = convex_hull(xy)
+    number = np.full(len(shell.xyz), -1)
+    number[vertex] = np.arange(len(vertex))
+    faces = number[shell.faces]
+    return Outline(xy[corner], corner, xy, vertex, faces[(faces >= 0).all(axis=1)])
 
 
 def turned(outline: Outline, xy_forward: Floats, *, mirrored: bool) -> Outline:
     """The outline in axes x along the unit vector `xy_forward` and y to its left, or to its right when mirrored."""
     left = np.array([-xy_forward[1], xy_forward[0]])
-    xy = outline.xy @ np.stack([xy_forward, -left if mirrored else left], axis=1)
-    if not mirrored:
-        return Outline(xy, outline.vertex)
-    return Outline(np.ascontiguousarray(xy[::-1]), outline.vertex[::-1])
+    axes = np.stack([xy_forward, -left if mirrored else left], axis=1)
+    xy, corner = outline.xy @ axes, outline.corner
+    if mirrored:
+        xy, corner = np.ascontiguousarray(xy[::-1]), corner[::-1]
+    return replace(outline, xy=xy, corner=corner, xy_skin=outline.xy_skin @ axes)
+
+
+def shifted(outline: Outline, xy: Floats) -> Outline:
+    """The outline moved by `xy` `(2,)`."""
+    return replace(outline, xy=outline.xy + xy, xy_skin=outline.xy_skin + xy)
 
 
 def beyond(xy: Floats, direction: Floats, level: float) -> Floats:
@@ -79,14 +103,14 @@ def find_heel(outline: Outline, length_mm: float) -> Extreme:
     length."""
     rear = float(outline.xy[:, 0].min())
     middle = _centroid(beyond(outline.xy, np.array([-1.0, 0.0]), -(rear + CAP_SHARE * length_mm)))
-    return Extreme(np.array([rear, middle[1]]), int(outline.vertex[outline.xy[:, 0].argmin()]), at_end=False)
+    return Extreme(np.array([rear, middle[1]]), outline.vertex_of_corner(int(outline.xy[:, 0].argmin())), at_end=False)
 
 
 def find_bulge(outline: Outline, length_mm: float, window: tuple[float, float], sign: float) -> Extreme:
-    """The place where the outline stands out sideways most, within shares of the length from its rearmost point.
+    """Where the skin, seen from above, stands out sideways most, within shares of the length from its rearmost point.
 
-    y is that of the most outward point in the window, x that of the middle of the cap there (within the window too): it
-    moves smoothly with the shape where the most outward point itself would jump along a flat curve.
+    A bulge inside the window is taken before a higher end of the window (there the big toe may begin). The place is the
+    top of a parabola fitted to the silhouette: a flat curve has no sharp extreme, its most outward point would jump.
 
     Args:
         outline: In axes x forward and y medial.
@@ -94,19 +118,57 @@ def find_bulge(outline: Outline, length_mm: float, window: tuple[float, float], 
         window: First and last share of the length.
         sign: +1 for the medial side, -1 for the lateral one.
     """
+    x, out = _silhouette(outline, length_mm, window, sign)
+    peak, at_end = _bulge_peak(out, _CLEAR_BULGE_SHARE * length_mm)
+    place, top = float(x[peak]), float(out[peak])
+    if not at_end:
+        place = _parabola_top(x, out, place, _PARABOLA_SHARE * length_mm)
+        top = float(_fit_parabola(x, out, place, _TOP_SHARE * length_mm)[0])
+    xy = np.array([place, sign * top])
+    nearest = int(np.abs(outline.xy_skin - xy).sum(axis=1).argmin())
+    return Extreme(xy, int(outline.vertex[nearest]), at_end)
+
+
+def _silhouette(outline: Outline, length_mm: float, window: tuple[float, float], sign: float) -> tuple[Floats, Floats]:
+    """Places x `(k,)` in a window, and how far the skin reaches outward there `(k,)`; the hull's reach in a cloud."""
     rear = float(outline.xy[:, 0].min())
-    first, last = rear + window[0] * length_mm, rear + window[1] * length_mm
-    side = sign * outline.xy[:, 1]
-    inside = (outline.xy[:, 0] >= first) & (outline.xy[:, 0] <= last)
-    ends = side_at(outline.xy, np.array([first, last]), sign) * sign
-    candidates = np.append(np.where(inside, side, -np.inf), ends)
-    best = int(candidates.argmax())
-    top = float(candidates[best])
-    cap = beyond(outline.xy, np.array([0.0, sign]), top - BALL_CAP_SHARE * length_mm)
-    cap = beyond(beyond(cap, np.array([1.0, 0.0]), first), np.array([-1.0, 0.0]), -last)
-    place = np.array([_centroid(cap)[0], sign * top])
-    nearest = int(np.linalg.norm(outline.xy - place, axis=1).argmin())
-    return Extreme(place, int(outline.vertex[nearest]), at_end=best >= len(side))
+    x = rear + length_mm * np.arange(window[0], window[1] + _STEP_SHARE / 2.0, _STEP_SHARE)
+    step = _STEP_SHARE * length_mm
+    both = find_silhouette(np.ascontiguousarray(outline.xy_skin), outline.faces, float(x[0]), step, len(x))
+    reach = both[:, 1] if sign > 0 else -both[:, 0]
+    hull = sign * side_at(outline.xy, x, sign)
+    return x, np.where(np.isfinite(reach), reach, hull)
+
+
+def _bulge_peak(out: Floats, clear_mm: float) -> tuple[int, bool]:
+    """Place of the highest peak between dips of at least `clear_mm`; without one, that of the highest end, and True."""
+    best = int(out.argmax())
+    if 0 < best < len(out) - 1:
+        return best, False
+    peaks = np.flatnonzero((out[1:-1] >= out[:-2]) & (out[1:-1] >= out[2:])) + 1
+    clear = [p for p in peaks if out[p] - max(out[: p + 1].min(), out[p:].min()) > clear_mm]
+    return (int(max(clear, key=lambda p: out[p])), False) if clear else (best, True)
+
+
+def _fit_parabola(x: Floats, out: Floats, place: float, half_width: float) -> Floats:
+    """Coefficients `(3,)` in u = (x - place) / half_width, by weights that fall to 0 at u = 1 and -1."""
+    u = (x - place) / half_width
+    weight = np.clip(1.0 - u**2, 0.0, None)
+    terms = np.stack([np.ones_like(u), u, u**2])
+    return np.linalg.solve((weight * terms) @ terms.T, (weight * terms) @ out)
+
+
+def _parabola_top(x: Floats, out: Floats, place: float, half_width: float) -> float:
+    """The x of the top of a parabola fitted round a peak, moved along until it stays."""
+    for _ in range(20):
+        _, slope, bend = _fit_parabola(x, out, place, half_width)
+        if bend >= 0:
+            break
+        step = float(np.clip(-slope / (2.0 * bend), -0.5, 0.5))
+        place = float(np.clip(place + step * half_width, x[0], x[-1]))
+        if abs(step) < 1e-9:
+            break
+    return place
 
 
 def side_at(xy: Floats, x: Floats, sign: float) -> Floats:

@@ -15,10 +15,11 @@ _LOW_SHARE = 0.25
 """The horizontal shape is judged from the skin below this share of the longest extent: the leg may lean."""
 _FLATTEST_BOARD, _FLATTEST_FOOT = 0.03, 0.14
 """Height over length: below the first there is no foot, below the second only its sole."""
-_ROUNDEST_FOOT = 1.2
-"""Length over breadth; a healthy foot has 2.5 to 3, a rudiment after amputation may have 1.3."""
+_ROUNDEST_STUMP, _BROADEST_FOOT = 1.2, 1.55
+"""Length over breadth; a foot has 2.3 to 3, a short stump after amputation may have 1.3, two feet side by side 1.3."""
 
 
+_LOWEST_SHARE = (-0.015, 0.03)
 STUMP_SHARE = 0.17
 """Dorsum height at 90 % of the length, over the length, from which the front is a stump (toes: 0.08 to 0.12)."""
 
@@ -52,7 +53,7 @@ def rough_heading(shell: Shell) -> Heading:
     return Heading(forward, float(np.ptp(along)), float(np.ptp(across)), top - bottom)
 
 
-def check_shape(shell: Shell, heading: Heading) -> None:
+def check_shape(shell: Shell, outline: Outline, heading: Heading) -> None:
     """Refuse what is no foot: an empty board, a sole alone, a ball.
 
     Raises:
@@ -64,11 +65,22 @@ def check_shape(shell: Shell, heading: Heading) -> None:
         raise MeshError(f"{size}: an empty board, no foot on it; check that the foot was in the scan")
     if flat < _FLATTEST_FOOT:
         raise MeshError(f"{size}: only a sole (plantar scan); foot measurements need the skin up to the ankle")
-    if heading.length_mm / heading.breadth_mm < _ROUNDEST_FOOT:
+    if heading.length_mm / heading.breadth_mm < _ROUNDEST_STUMP:
         raise MeshError(f"{size}: as broad as it is long, like a ball, not like a foot; check the mesh")
+    if heading.length_mm / heading.breadth_mm < _BROADEST_FOOT and not is_stump(shell, outline, heading):
+        raise MeshError(f"{size}: too broad for one foot: two feet, or something beside it? one foot at a time")
     lowest = float(shell.xyz[:, 2].min())
     if abs(lowest) > 0.2 * heading.length_mm:
         raise MeshError(f"the lowest point is at z = {lowest:.0f} mm: the foot has to stand on z = 0, the board")
+
+
+def standing_questions(shell: Shell, length_mm: float) -> tuple[str, ...]:
+    """A question when the lowest skin is so far from z = 0 that z = 0 may not be the board; nothing is moved."""
+    lowest = float(shell.xyz[:, 2].min())
+    if _LOWEST_SHARE[0] * length_mm <= lowest <= _LOWEST_SHARE[1] * length_mm:
+        return ()
+    where = "above" if lowest > 0 else "below"
+    return (f"The lowest skin is {abs(lowest):.0f} mm {where} z = 0: is z = 0 the board? Heights count from there.",)
 
 
 def is_stump(shell: Shell, outline: Outline, heading: Heading) -> bool:
@@ -110,7 +122,7 @@ def _ridge(shell: Shell, heading: Heading, rear: float) -> float:
 
 
 def _toes_behind(shell: Shell, forward: Floats, along: Floats) -> bool:
-    """Whether the ankle (the skin at about half of the length in height, or the highest) is over the outline's front."""
+    """Whether the ankle (the skin at half of the length in height, or the highest) is over the outline's front."""
     length, top = float(np.ptp(along)), float(shell.xyz[:, 2].max())
     height = min(0.45 * length, 0.9 * top)
     xyz = cut_shell(shell, np.array([0.0, 0.0, height]), np.array([0.0, 0.0, 1.0])).xyz.reshape(-1, 3)
