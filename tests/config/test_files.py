@@ -2,6 +2,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from footscan.config import (
     calibration_toml,
     file_kind,

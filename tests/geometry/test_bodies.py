@@ -1,4 +1,5 @@
 import numpy as np
+
 from footscan.geometry.bodies import label_bodies
 from footscan.geometry.nearest import PointTree
 

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
-from footscan.geometry.plane import Plane, fit_plane
-from footscan.geometry.rigid import inverse_rigid, rigid, rotation_z, transform_points, turn_z
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
+from footscan.geometry.plane import Plane, fit_plane
+from footscan.geometry.rigid import inverse_rigid, rigid, rotation_z, transform_points, turn_z
 
 ANGLES = st.floats(-10.0, 10.0)
 SHIFTS = arrays(float, 3, elements=st.floats(-1e3, 1e3))

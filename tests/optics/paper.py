@@ -1,6 +1,7 @@
 """The paper's slow chain, literally: the oracle for tables and poses."""
 
 import numpy as np
+
 from footscan.optics.calibration import Calibration, camera_from_world
 from footscan.optics.sheet import plane_in_camera
 

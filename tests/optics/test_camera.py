@@ -2,6 +2,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
 from footscan.coordinates import pixel_from_uv, theta_from_count, uv_from_pixel
 from footscan.optics.camera import (
     Camera,
@@ -13,9 +17,6 @@ from footscan.optics.camera import (
     ray_from_pixel,
     undistorted_from_distorted,
 )
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 CAMERA = Camera(582, 500, 0.0127, 0.0083, 8.0, 1.013, (286.9, 247.7), -5.6e-4, -1.1e-6)
 PLACES = arrays(float, (7, 2), elements=st.floats(0.0, 499.0))

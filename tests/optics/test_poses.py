@@ -2,6 +2,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from footscan.optics.calibration import (
     EncoderScale,
     camera_from_world,
@@ -25,8 +28,6 @@ from footscan.optics.sheet import (
     plane_in_camera,
     world_from_light,
 )
-from hypothesis import given
-from hypothesis import strategies as st
 
 ANGLE = st.floats(-3.1, 3.1)
 TILT = st.floats(-0.6, 0.6)

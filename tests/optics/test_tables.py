@@ -2,13 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import LASER_NAMES, WORKING_RADIUS_MM, WORKING_Z_MM
 from footscan.errors import InputError, StaleTableError
 from footscan.geometry.rigid import transform_points
 from footscan.optics.table_store import load_tables, tables_bytes
 from footscan.optics.tables import build_table
-
 from tests.optics.paper import slow_chain
 
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from footscan.errors import RecordingError
 from footscan.optics.calibration import EncoderScale
 from footscan.scanning.angles import frame_angles, refuse_silent_encoder

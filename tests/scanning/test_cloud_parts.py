@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from footscan.errors import InputError
 from footscan.geometry.plane import Plane
 from footscan.scanning.agreement import agreement_by_zone, find_overlap, merge_lasers

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from footscan.errors import InputError
 from footscan.scanning.filters import FilterSettings, filtered
 

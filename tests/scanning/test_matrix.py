@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from footscan.errors import RecordingError, StaleTableError
 from footscan.optics.tables import build_table
 from footscan.scanning.cloud import cloud_from_matrix

@@ -3,6 +3,7 @@ import shutil
 import cv2
 import numpy as np
 import pytest
+
 from footscan.config import RecordingInfo, scanner_toml
 from footscan.errors import ConfigError, RecordingError
 from footscan.scanning.frames import UnusableFrameError, read_frame

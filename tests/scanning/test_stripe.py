@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
-from footscan.scanning.stripe import StripeFinder, StripeSettings, automatic_threshold, find_stripe
-from footscan.workflow.stripe_bench import THRESHOLD, draw_line, measure_step
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from footscan.scanning.stripe import StripeFinder, StripeSettings, automatic_threshold, find_stripe
+from footscan.workflow.stripe_bench import THRESHOLD, draw_line, measure_step
 
 
 def gaussian_line(shape, normal_deg, place, sigma=1.3, peak=180.0, background=6.0):

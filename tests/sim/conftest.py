@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
 from footscan.sim.machine import TrueMachine, workshop_machine

@@ -1,4 +1,5 @@
 import numpy as np
+
 from footscan.sim.cut import cut_mesh
 from footscan.sim.foot import build_foot
 from footscan.sim.objects import build_sphere

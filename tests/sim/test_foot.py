@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from footscan.errors import InputError
 from footscan.sim.foot import LEG_TOP_MM, FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface

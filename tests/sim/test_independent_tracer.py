@@ -7,6 +7,8 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
+
 from footscan.config import load_calibration
 from footscan.coordinates import Floats, Frame
 from footscan.optics.calibration import theta_from_encoder
@@ -14,7 +16,6 @@ from footscan.scanning.recording import open_recording
 from footscan.scanning.stripe import find_stripe
 from footscan.sim.picture import Painter
 from footscan.sim.surface import surface_from_trimesh
-from scipy.spatial import cKDTree
 
 SHARED = os.environ.get("FOOTSCAN_SHARED")
 pytestmark = pytest.mark.skipif(SHARED is None, reason="FOOTSCAN_SHARED does not say where the shared recordings are")

@@ -1,4 +1,5 @@
 import numpy as np
+
 from footscan.optics.scanner import Scanner, calibration_from_design
 from footscan.sim.machine import WORKSHOP, ideal_machine, workshop_machine, world_from_board
 

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from footscan.errors import InputError
 from footscan.optics import EncoderScale
 from footscan.optics.calibration import theta_from_encoder
 from footscan.sim.motion import SweepPlan, count_from_theta, plan_motion, sample_encoder
-from hypothesis import given
-from hypothesis import strategies as st
 
 PLAN = SweepPlan()
 ENCODER = EncoderScale(steps_per_rev=8000, zero_count=1234, direction=-1)

@@ -3,6 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.errors import InputError
 from footscan.sim.objects import OBJECT_NAMES, build_ball_bar, build_cylinder, build_object, build_plate
 from footscan.sim.surface import LONGEST_EDGE_MM, surface_from_trimesh, trimesh_from_surface

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+
 from footscan.coordinates import Floats, LaserName, uv_from_pixel
 from footscan.geometry.rigid import inverse_rigid, transform_points, turn_z
 from footscan.optics import Calibration
@@ -15,7 +17,6 @@ from footscan.sim.machine import TrueMachine
 from footscan.sim.objects import build_plate, build_sphere
 from footscan.sim.optics_loops import lens_numbers, project_points
 from footscan.sim.picture import DEFAULT_PICTURE, Painter, split_sheet, without_noise
-from scipy.spatial import cKDTree
 
 CLEAN = replace(without_noise(), skin_grey=250.0)
 THETAS = (0.3, 2.0, 4.4)

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.config import load_calibration
 from footscan.errors import RecordingError
 from footscan.optics.calibration import theta_from_encoder

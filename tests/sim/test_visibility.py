@@ -1,4 +1,5 @@
 import numpy as np
+
 from footscan.sim.machine import TrueMachine
 from footscan.sim.objects import build_cylinder, build_sphere
 from footscan.sim.visibility import count_sheets

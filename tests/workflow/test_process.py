@@ -5,6 +5,7 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.config import load_calibration
 from footscan.errors import EmptyScanError, FootscanError, InputError, MachineMismatchError, RecordingError
 from footscan.scanning.filters import FilterSettings

@@ -1,6 +1,8 @@
 """`find_stripe`: one frame in, sub-pixel stripe places and weights out."""
 
+import threading
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -84,9 +86,9 @@ class StripeFinder:
         capacity = 32 * (frame.shape[0] + frame.shape[1])
         if len(self._buffers[0]) < capacity:
             self._buffers = _buffers(capacity)
-        traced = self._buffers[3]
         count = trace_stripe(frame, threshold, *self._constants, *self._buffers)
-        return Stripe(traced[:count, 0:2].copy(), *(traced[:count, k].copy() for k in (2, 3, 4)))
+        own = self._buffers[3][:count].copy()
+        return Stripe(own[:, 0:2], own[:, 2], own[:, 3], own[:, 4])
 
 
 def _buffers(capacity: int) -> tuple[Floats32, Floats32, Floats32, Floats]:
@@ -109,7 +111,14 @@ def find_stripe(frame: Frame, threshold: int | None = None) -> Stripe:
         ValueError: The frame is not a two-dimensional array of bytes, or the threshold no byte.
     """
     frame = _checked(frame)
-    return StripeFinder().find(frame, automatic_threshold(frame) if threshold is None else threshold)
+    finder = _finder_of_thread(threading.get_ident())
+    return finder.find(frame, automatic_threshold(frame) if threshold is None else threshold)
+
+
+@lru_cache(maxsize=16)
+def _finder_of_thread(_: int) -> StripeFinder:
+    """Buffers that `find_stripe` reuses from frame to frame, one set per thread."""
+    return StripeFinder()
 
 
 def _checked(frame: Frame) -> Frame:

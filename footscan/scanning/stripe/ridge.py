@@ -114,8 +114,8 @@ def _near_crest(flat: Bytes, at: Whole, stride: Whole) -> Truth:
     above, level, below = nw + n + ne, w + c + e, sw + s + se
     bend_u, bend_v = 2 * centre - left - right, 2 * level - above - below
     if bend_u >= bend_v:
-        return 10 * abs(right - left) <= 14 * bend_u + (centre >> 2)
-    return 10 * abs(below - above) <= 14 * bend_v + (level >> 2)
+        return 10 * abs(right - left) <= 12 * bend_u + (centre >> 2)
+    return 10 * abs(below - above) <= 12 * bend_v + (level >> 2)
 
 
 @compiled_inline
