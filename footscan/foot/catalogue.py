@@ -16,7 +16,8 @@ from footscan.foot.clip import cut_below
 from footscan.foot.girth import Girth, find_smallest, measure_girth
 from footscan.foot.landmarks import Landmark, Landmarks
 from footscan.foot.sections import tape_girth_mm
-from footscan.foot.shell import NEVER_SEEN_BELOW_MM, SEEN, area_mm2, volume_mm3
+from footscan.foot.shell import NEVER_SEEN_BELOW_MM, area_mm2, volume_mm3
+from footscan.foot.skin_origin import Origin
 from footscan.foot.standing import VOLUME_HEIGHT_SHARE, StandingFoot
 
 ANKLE_BAND = (0.30, 0.51)
@@ -193,7 +194,7 @@ def _surface(foot: StandingFoot, _: Landmarks) -> Reading:
     doubts = _counted(foot, height)
     if open_shell.origin is not None:
         upper = open_shell.xyz[open_shell.faces][:, :, 2].mean(axis=1) > NEVER_SEEN_BELOW_MM
-        unseen = (open_shell.origin != SEEN)[open_shell.faces].mean(axis=1)
+        unseen = (open_shell.origin != Origin.SEEN)[open_shell.faces].mean(axis=1)
         share = float((area * unseen)[upper].sum() / area[upper].sum())
         if share > UNSEEN_LIMIT:
             doubts += (f"not seen: {share:.0%} of the skin above the sole's edge",)

@@ -6,7 +6,8 @@ import numpy as np
 
 from footscan.coordinates import Bytes, Floats, Ints
 from footscan.foot.crossing import chain_segments
-from footscan.foot.shell import CUT, Shell, compact
+from footscan.foot.shell import Shell, compact
+from footscan.foot.skin_origin import Origin
 
 
 def cut_below(shell: Shell, height_mm: float, *, cap: bool = True) -> Shell:
@@ -15,7 +16,7 @@ def cut_below(shell: Shell, height_mm: float, *, cap: bool = True) -> Shell:
     Args:
         shell: Any shell; a hole in it stays a hole.
         height_mm: Height of the cut.
-        cap: Whether the opening gets a flat top (origin `CUT`).
+        cap: Whether the opening gets a flat top (`Origin.CUT`).
 
     Returns:
         A new shell, or the same one when nothing of it is higher.
@@ -43,7 +44,7 @@ def cut_below(shell: Shell, height_mm: float, *, cap: bool = True) -> Shell:
     xyz = np.concatenate([shell.xyz, _crossings(shell.xyz, z, unique)])
     origin = None if shell.origin is None else np.concatenate([shell.origin, _nearest(shell.origin, z, unique)])
     opened = Shell(xyz, faces, origin)
-    return compact(close_rim(opened, rim[rim[:, 0] != rim[:, 1]], CUT) if cap else opened)
+    return compact(close_rim(opened, rim[rim[:, 0] != rim[:, 1]], Origin.CUT) if cap else opened)
 
 
 def close_rim(shell: Shell, rim: Ints, origin: int) -> Shell:

@@ -15,7 +15,7 @@ from footscan.foot.align import toe_2_place
 from footscan.foot.girth import find_smallest
 from footscan.foot.outline import CAP_SHARE, HEEL_BREADTH_SHARE, MTH1_WINDOW, MTH5_WINDOW, find_bulge, find_heel
 from footscan.foot.sections import cut_shell
-from footscan.foot.shell import SEEN
+from footscan.foot.skin_origin import Origin
 from footscan.foot.standing import StandingFoot
 
 INSTEP_SHARE = 0.50
@@ -78,7 +78,7 @@ def _doubted_if_unseen(foot: StandingFoot, rule: LandmarkRule, place: Landmark) 
     if foot.shell.origin is None or place.source == "manual" or rule.name == "heel_corner":
         return place
     nearest = int(((foot.shell.xyz - place.xyz_foot) ** 2).sum(axis=1).argmin())
-    if foot.shell.origin[nearest] == SEEN:
+    if foot.shell.origin[nearest] == Origin.SEEN:
         return place
     return replace(place, doubts=(*place.doubts, f"not seen: the skin at {rule.name} is bridged or assumed"))
 

@@ -155,7 +155,7 @@ def _fit_parabola(x: Floats, out: Floats, place: float, half_width: float) -> Fl
     u = (x - place) / half_width
     weight = np.clip(1.0 - u**2, 0.0, None)
     terms = np.stack([np.ones_like(u), u, u**2])
-    return np.linalg.solve((weight * terms) @ terms.T, (weight * terms) @ out)
+    return np.asarray(np.linalg.solve((weight * terms) @ terms.T, (weight * terms) @ out), dtype=np.float64)
 
 
 def _parabola_top(x: Floats, out: Floats, place: float, half_width: float) -> float:

@@ -12,17 +12,8 @@ from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
 from footscan.foot.clip import close_rim
 from footscan.foot.crossing import chain_segments
-from footscan.foot.shell import (
-    ASSUMED_SOLE,
-    BRIDGED,
-    CUT,
-    Shell,
-    area_mm2,
-    compact,
-    mesh_from_shell,
-    shell_from_mesh,
-    volume_mm3,
-)
+from footscan.foot.shell import Shell, area_mm2, compact, mesh_from_shell, shell_from_mesh, volume_mm3
+from footscan.foot.skin_origin import Origin
 
 _CRUMB_SHARE = 0.05
 """A loose piece with less than this share of the largest piece's area is dropped; a larger one is another object."""
@@ -159,11 +150,11 @@ def _kind_of_hole(shell: Shell, xyz_rim: Floats) -> tuple[int, str]:
     extent = float(np.ptp(shell.xyz[:, :2], axis=0).max())
     middle = float(xyz_rim[:, 2].mean())
     if around > extent and middle < bottom + 0.35 * (top - bottom):
-        return ASSUMED_SOLE, "the open sole was closed flat: the sole is assumed"
+        return Origin.ASSUMED_SOLE, "the open sole was closed flat: the sole is assumed"
     if around > _LARGEST_HOLE_SHARE * extent and middle > bottom + 0.8 * (top - bottom):
-        return CUT, "the open top was closed flat"
+        return Origin.CUT, "the open top was closed flat"
     large = "a large hole" if around > _LARGEST_HOLE_SHARE * extent else "a hole"
-    return BRIDGED, f"{large} at height {middle:.0f} mm, {around:.0f} mm round, was closed flat"
+    return Origin.BRIDGED, f"{large} at height {middle:.0f} mm, {around:.0f} mm round, was closed flat"
 
 
 def _outward(shell: Shell, remarks: list[str]) -> Shell:

@@ -7,9 +7,7 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from footscan.coordinates import Bools, Bytes, Floats, Ints
-
-SEEN, BRIDGED, ASSUMED_SOLE, CUT = 0, 1, 2, 3
-"""Values of the vertex attribute `origin`: where a piece of skin comes from."""
+from footscan.foot.skin_origin import Origin
 
 NEVER_SEEN_BELOW_MM = 8.0
 """Without a known origin, skin lower than this is taken as not seen (ray-cast: 35 % seen at 4-6 mm, 70 % at
@@ -20,7 +18,8 @@ NEVER_SEEN_BELOW_MM = 8.0
 class Shell:
     """Triangles with the origin of their skin.
 
-    `xyz` is `(n, 3)` in mm, `faces` `(m, 3)` counter-clockwise seen from outside, `origin` `(n,)` or None when unknown.
+    `xyz` is `(n, 3)` in mm, `faces` `(m, 3)` counter-clockwise seen from outside, `origin` `(n,)` (values of
+    `Origin`) or None when unknown.
     """
 
     xyz: Floats
@@ -30,7 +29,7 @@ class Shell:
     @property
     def seen(self) -> Bools:
         """`(n,)`: skin that was seen; without a known origin, skin above `NEVER_SEEN_BELOW_MM`."""
-        return self.xyz[:, 2] > NEVER_SEEN_BELOW_MM if self.origin is None else self.origin == SEEN
+        return self.xyz[:, 2] > NEVER_SEEN_BELOW_MM if self.origin is None else self.origin == Origin.SEEN
 
 
 def shell_from_mesh(mesh: trimesh.Trimesh) -> Shell:

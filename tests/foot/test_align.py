@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.errors import MeshError
 from footscan.foot.align import align_foot
 from footscan.foot.girth import find_smallest
@@ -8,7 +9,6 @@ from footscan.foot.landmarks import find_landmarks
 from footscan.foot.repair import repair_shell
 from footscan.foot.shell import Shell, shell_from_mesh
 from footscan.foot.standing import stand
-from footscan.foot.view import check_inside_view
 
 
 def turned(xyz, degrees):
@@ -122,18 +122,6 @@ def test_a_shape_that_tells_no_side_needs_the_operator(foot):
 def test_a_handful_of_points_is_no_foot():
     with pytest.raises(MeshError, match="5 points"):
         align_foot(Shell(np.zeros((5, 3)), np.zeros((0, 3), dtype=np.int64)), "right")
-
-
-def test_a_foot_partly_outside_the_view_is_refused_with_the_place(foot):
-    xyz = np.array(foot.subdivide().vertices) - np.array([20.0, 0.0, 0.0])
-    seen = xyz[np.hypot(xyz[:, 0], xyz[:, 1]) < 200.0]
-
-    with pytest.raises(MeshError, match=r"border of the view.*x = 19\d mm"):
-        check_inside_view(seen)
-
-
-def test_a_foot_in_the_middle_of_the_view_passes(foot):
-    check_inside_view(np.array(foot.vertices) - [130.0, 0.0, 0.0])
 
 
 def test_the_smallest_place_inside_a_band_is_found_to_a_ten_thousandth():

@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.errors import MeshError
 from footscan.foot.catalogue import CATALOGUE
 from footscan.foot.clip import cut_below

@@ -1,11 +1,15 @@
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.errors import MeshError
 from footscan.foot.clip import cut_below
 from footscan.foot.measurements import measure
+from footscan.foot.mesh_file import load_foot_mesh
 from footscan.foot.repair import repair_mesh
-from footscan.foot.shell import CUT, mesh_from_shell, shell_from_mesh
+from footscan.foot.shell import mesh_from_shell, shell_from_mesh
+from footscan.foot.skin_origin import Origin
+from footscan.foot.surface_files import save_surface_ply
 from footscan.foot.units import check_foot_length, likely_unit, mm_from_unit
 
 
@@ -181,7 +185,7 @@ def test_a_cut_is_closed_flat_and_marked(foot):
 
     assert below.is_watertight and below.is_winding_consistent
     assert below.bounds[1, 2] == pytest.approx(90.3)
-    above_skin = below.vertex_attributes["origin"] == CUT
+    above_skin = below.vertex_attributes["origin"] == Origin.CUT
     assert above_skin.sum() == 1 and below.vertices[above_skin, 2] == pytest.approx(90.3)
 
 
@@ -189,3 +193,37 @@ def test_cutting_above_the_top_changes_nothing(foot):
     shell = shell_from_mesh(foot)
 
     assert cut_below(shell, 500.0) is shell
+
+
+@pytest.mark.parametrize(("ending", "unit", "factor"), [("stl", "m", 1e-3), ("ply", "cm", 0.1), ("obj", "mm", 1.0)])
+def test_a_mesh_file_of_any_unit_is_read_in_mm(foot, tmp_path, ending, unit, factor):
+    path = tmp_path / f"foot.{ending}"
+    foot.copy().apply_scale(factor).export(path)
+
+    mesh = load_foot_mesh(path, unit)
+
+    assert_same(measure(mesh, "right"), measure(foot, "right"), 0.02)
+
+
+def test_a_folder_brings_the_origin_of_the_skin(foot, tmp_path):
+    marked = foot.copy()
+    marked.vertex_attributes["origin"] = np.where(foot.vertices[:, 2] < 5.0, 2, 0).astype(np.uint8)
+    marked.vertex_attributes["sheets"] = np.ones(len(foot.vertices), dtype=np.uint8)
+    marked.vertex_attributes["residual_mm"] = np.zeros(len(foot.vertices), dtype=np.float32)
+    save_surface_ply(marked, tmp_path / "surface.ply", "test")
+
+    result = measure(load_foot_mesh(tmp_path), "right")
+
+    assert result.origin_known
+    assert result["ball_girth"].interval == pytest.approx(measure(marked, "right")["ball_girth"].interval, abs=0.01)
+
+
+def test_what_is_no_mesh_file_is_refused_in_words(tmp_path):
+    (tmp_path / "notes.txt").write_text("hello")
+    (tmp_path / "broken.stl").write_bytes(b"solid nothing\nendsolid\n")
+    with pytest.raises(MeshError, match="not there"):
+        load_foot_mesh(tmp_path / "absent.stl")
+    with pytest.raises(MeshError, match=r"kind \.txt is not read"):
+        load_foot_mesh(tmp_path / "notes.txt")
+    with pytest.raises(MeshError, match=r"broken\.stl"):
+        load_foot_mesh(tmp_path / "broken.stl")

@@ -4,6 +4,7 @@ import io
 import numpy as np
 import pytest
 import trimesh
+
 from footscan.errors import MeshError
 from footscan.foot.crossing import convex_hull, hull_perimeter_mm
 from footscan.foot.measurements import measure

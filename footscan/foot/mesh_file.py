@@ -1,0 +1,47 @@
+"""Reading a foot from disk: any mesh file in any unit, or a folder made by `footscan process`."""
+
+from pathlib import Path
+
+import trimesh
+
+from footscan.errors import MeshError
+from footscan.foot.surface_files import load_origin
+from footscan.foot.units import mm_from_unit
+
+KINDS = (".stl", ".ply", ".obj", ".off", ".glb", ".3mf")
+SURFACE = "surface.ply"
+
+
+def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
+    """Read a foot, in mm.
+
+    Args:
+        path: A mesh file, or a folder that holds a `surface.ply` (then the origin of the skin comes with it).
+        unit: Of a mesh file: mm, cm, m or in; a folder is always in mm.
+
+    Raises:
+        MeshError: Nothing there, or nothing that can be read as a mesh.
+    """
+    factor = mm_from_unit(unit)
+    if path.is_dir():
+        path = path / SURFACE
+    if not path.is_file():
+        raise MeshError(f"{path}: not there; give a mesh file ({', '.join(KINDS)}) or a folder made by `process`")
+    if path.name == SURFACE and factor == 1.0:
+        try:
+            return load_origin(path)
+        except ValueError:
+            pass  # another program's PLY of that name: read like any mesh, without an origin
+    return _load_any(path).apply_scale(factor)
+
+
+def _load_any(path: Path) -> trimesh.Trimesh:
+    if path.suffix.lower() not in KINDS:
+        raise MeshError(f"{path}: kind {path.suffix or 'without ending'} is not read; allowed are {', '.join(KINDS)}")
+    try:
+        mesh = trimesh.load(path, force="mesh", process=False)
+    except Exception as error:
+        raise MeshError(f"{path}: cannot be read as a mesh ({error}); export it again") from error
+    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+        raise MeshError(f"{path}: holds no triangles; a foot mesh is needed, not a cloud or a drawing")
+    return mesh
