@@ -33,7 +33,7 @@ class SurfaceSettings:
         passes: Fits, each with corrected parameters and weights.
         needed_share: Share of directions around the leg whose skin must reach the cut.
         closure: Name of the closure rule.
-        closure_share: Rounding at the board over the foot's length.
+        closure_share: Longest run of the rounding along the board over the foot's length.
         closure_weight: Weight of the assumed skin over the mean weight of points; small, so that it pulls no seen
             skin.
     """
@@ -44,8 +44,8 @@ class SurfaceSettings:
     tolerance_mm: float = 0.25
     passes: int = 2
     needed_share: float = 0.9
-    closure: ClosureName = "tangent-rounded"
-    closure_share: float = 0.03
+    closure: ClosureName = "curvature-rounded"
+    closure_share: float = 0.06
     closure_weight: float = 0.003
 
 

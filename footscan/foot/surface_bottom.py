@@ -6,12 +6,13 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, median_filter, minimum_filter1d
 
 from footscan.coordinates import Floats
-from footscan.foot.closure import ClosureRule, closing_arcs, lean_rad
+from footscan.foot.closure import ClosureRule, closing_arcs, edge_shape
 from footscan.foot.nurbs import SplineTube
 from footscan.foot.nurbs_fit import evaluate_at
 from footscan.foot.surface_chart import SlantedAxis
 
 _COLUMNS = 240
+_RISES = (0.02, 0.045)  # v above the lowest seen skin of the rows that show its lean and bend
 _ENOUGH = 3  # points below a height before it counts as seen
 
 
@@ -60,11 +61,11 @@ def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rul
     lowest = np.maximum(lowest_seen_v(u, v, _COLUMNS), 1e-3)
     ring = evaluate_at(tube, columns, lowest).xyz_mm
     ring[:, 2] = np.maximum(ring[:, 2], 0.5)
-    above = evaluate_at(tube, columns, lowest + 0.02).xyz_mm
+    rows = [ring, *(evaluate_at(tube, columns, lowest + rise).xyz_mm for rise in _RISES)]
     away = ring[:, :2] - np.array(axis.low_mm)
     room = np.linalg.norm(away, axis=1)
     inwards = -away / np.maximum(room, 1e-9)[:, None]
-    points, along = closing_arcs(ring, inwards, lean_rad(ring - above, inwards), 0.5 * room, rule)
+    points, along = closing_arcs(ring, inwards, edge_shape(np.stack(rows), inwards), 0.5 * room, rule)
     count = points.shape[1]
     return AssumedSkin(
         np.repeat(columns, count), (along * lowest[:, None]).ravel(), points.reshape(-1, 3), columns, lowest

@@ -8,7 +8,7 @@ from footscan.coordinates import Floats
 from footscan.errors import MeshError
 from footscan.foot.surface_chart import box_middle
 
-_AZIMUTHS = 36
+_AZIMUTHS = 24
 _REACHED = 3  # points needed above a height before an azimuth counts as seen there
 _MARGIN_MM = 1.0
 _ANKLE_SHARE = 0.36  # of the foot's length: both ankle bones lie below (METROLOGY: 15-110 mm for 270 mm)
@@ -39,10 +39,9 @@ def find_leg_cut(xyz_world: Floats, needed_share: float) -> LegCut:
     Raises:
         MeshError: Nothing of the leg or the upper foot was seen.
     """
-    low = xyz_world[xyz_world[:, 2] < np.percentile(xyz_world[:, 2], 40)][:, :2]
-    _, length = box_middle(low)
+    low_mm, length = box_middle(xyz_world[xyz_world[:, 2] < np.percentile(xyz_world[:, 2], 40)][:, :2])
     ankle = _ANKLE_SHARE * length
-    tops = azimuth_tops(xyz_world, ankle)
+    tops = azimuth_tops(xyz_world, ankle, low_mm)
     covered = float(np.quantile(tops, 1.0 - needed_share, method="lower")) - _MARGIN_MM
     if covered >= ankle:
         return _cut(tops, covered, f"skin seen up to here in {needed_share:.0%} of the directions around the leg")
@@ -60,17 +59,21 @@ def _cut(tops: Floats, z_mm: float, reason: str) -> LegCut:
     return LegCut(z_mm, float((tops >= z_mm).mean()), reason)
 
 
-def azimuth_tops(xyz_world: Floats, ankle_mm: float) -> Floats:
-    """Height `(36,)` up to which the skin was seen in each direction around the leg (0 where never)."""
+def azimuth_tops(xyz_world: Floats, ankle_mm: float, low_mm: tuple[float, float]) -> Floats:
+    """Height `(24,)` up to which the skin was seen in each direction around the leg (0 where never).
+
+    Args:
+        xyz_world: `(n, 3)` points.
+        ankle_mm: A height at which there is leg.
+        low_mm: Middle of the foot; directions count from leg to there, so that they turn with the foot.
+    """
     z = xyz_world[:, 2]
     top = min(float(np.percentile(z, 99.8)), 1.2 * ankle_mm)
-    leg = xyz_world[(z > 0.8 * top) & (z < 1.3 * top)][:, :2]
-    middle, _ = box_middle(leg)
-    away = xyz_world[:, :2] - np.array(middle)
-    which = (
-        np.floor((np.arctan2(away[:, 1], away[:, 0]) + np.pi) * (_AZIMUTHS / (2.0 * np.pi))).astype(np.int64)
-        % _AZIMUTHS
-    )
+    leg_mm, _ = box_middle(xyz_world[(z > 0.8 * top) & (z < 1.3 * top)][:, :2])
+    away = xyz_world[:, :2] - np.array(leg_mm)
+    heading = np.arctan2(low_mm[1] - leg_mm[1], low_mm[0] - leg_mm[0])
+    turn = (np.arctan2(away[:, 1], away[:, 0]) - heading) / (2.0 * np.pi)
+    which = np.floor(np.mod(turn, 1.0) * _AZIMUTHS).astype(np.int64) % _AZIMUTHS
     tops = np.zeros(_AZIMUTHS)
     for k in range(_AZIMUTHS):
         column = z[which == k]
