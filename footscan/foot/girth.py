@@ -22,6 +22,8 @@ length, and from seen skin below the second that borders on unseen skin."""
 _FLAT = 1e-4
 MARGIN_MM = 1.0
 """Both ends of an interval are moved out by this much: what the seen skin itself is trusted to along a tape."""
+BRIDGE_SHARE = 0.02
+"""And by this share of the bridged skin under the tape: how far a bridge may miss the skin."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ def measure_girth(shell: Shell, length_mm: float, origin: Floats, normal: Floats
     size = np.linalg.norm(cut.xyz[:, 1] - cut.xyz[:, 0], axis=1)
     upper = size * (cut.xyz[:, :, 2].mean(axis=1) > NEVER_SEEN_BELOW_MM)
     unseen = float((upper * (~seen.reshape(-1, 2)).mean(axis=1)).sum() / max(float(upper.sum()), 1e-12))
-    return Girth(value, (low - MARGIN_MM, high + MARGIN_MM), unseen, xyz)
+    margin = MARGIN_MM + BRIDGE_SHARE * unseen * float(upper.sum())
+    return Girth(value, (low - margin, high + margin), unseen, xyz)
 
 
 def shell_seen(xyz: Floats, shell: Shell) -> Bools:

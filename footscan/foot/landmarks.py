@@ -13,7 +13,15 @@ import numpy as np
 from footscan.coordinates import Floats
 from footscan.foot.align import toe_2_place
 from footscan.foot.girth import find_smallest
-from footscan.foot.outline import CAP_SHARE, HEEL_BREADTH_SHARE, MTH1_WINDOW, MTH5_WINDOW, find_bulge, find_heel
+from footscan.foot.outline import (
+    HEEL_BREADTH_SHARE,
+    MTH1_WINDOW,
+    MTH5_WINDOW,
+    find_bulge,
+    find_heel,
+    fit_parabola,
+    parabola_top,
+)
 from footscan.foot.sections import cut_shell
 from footscan.foot.skin_origin import Origin
 from footscan.foot.standing import StandingFoot
@@ -26,7 +34,7 @@ CHORD_TOP_SHARE = 0.34
 the leg goes."""
 MALLEOLUS_WINDOW = (0.15, 0.35)
 JUNCTION_BAND_RAD = (np.radians(25.0), np.radians(60.0))
-_CLEAR_BULGE_SHARE = 0.002
+_CLEAR_BULGE_SHARE, _MALLEOLUS_PARABOLA_SHARE = 0.002, 0.045
 
 NEEDS_HAND = "needs palpation"
 
@@ -201,7 +209,7 @@ def _malleolus(sign: float) -> Callable[[StandingFoot, Landmarks], Landmark | Mi
         top = min(high, foot.top_mm - 0.005 * foot.length_mm)
         if top < CHORD_TOP_SHARE * foot.length_mm:
             return f"cut off: the mesh ends at {foot.top_mm:.0f} mm"
-        heights = np.arange(bottom, top, 0.008 * foot.length_mm)
+        heights = np.arange(bottom, top, 0.005 * foot.length_mm)
         points = np.array([_outermost(foot, z, sign) for z in heights])
         return _bulge_of_profile(heights, points, sign, foot.length_mm)
 
@@ -233,28 +241,17 @@ def _bulge_of_profile(heights: Floats, points: Floats, sign: float, length_mm: f
     rises = np.array([out[p] - max(out[: p + 1].min(), out[p:].min()) for p in peaks])
     doubts: tuple[str, ...] = ()
     if len(peaks) and rises.max() > _CLEAR_BULGE_SHARE * length_mm:
-        best, rise = int(peaks[rises.argmax()]), float(rises.max())
+        best = int(peaks[rises.argmax()])
     else:
         low = heights <= CHORD_TOP_SHARE * length_mm
         heights, points, out = heights[low], points[low], out[low]
         out = out - np.interp(heights, heights[[0, -1]], out[[0, -1]])
-        best, rise = int(out.argmax()), float(out.max())
+        best = int(out.argmax())
         doubts = ("no bulge stands out there: needs palpation",)
-    weight = _cap_weight(out, best, min(0.3 * CAP_SHARE * length_mm, 0.8 * rise))
-    total = float(weight.sum())
-    height, x = (float(weight @ c / total) if total > 0 else float(c[best]) for c in (heights, points[:, 0]))
-    return Landmark(np.array([x, float(points[best, 1]), height]), doubts=doubts)
-
-
-def _cap_weight(out: Floats, best: int, depth: float) -> Floats:
-    """Weights `(n,)` over the cap round a peak: how far each level rises above the cap's base, 0 beyond its ends."""
-    weight = np.maximum(out - (out[best] - depth), 0.0)
-    gaps = np.flatnonzero(weight == 0)
-    first = gaps[gaps < best].max(initial=-1)
-    last = gaps[gaps > best].min(initial=len(out))
-    weight[: first + 1] = 0.0
-    weight[last:] = 0.0
-    return weight
+    half_width = _MALLEOLUS_PARABOLA_SHARE * length_mm
+    height = parabola_top(heights, out, float(heights[best]), half_width)
+    y = sign * float(fit_parabola(heights, sign * points[:, 1], height, half_width / 2.0)[0])
+    return Landmark(np.array([float(np.interp(height, heights, points[:, 0])), y, height]), doubts=doubts)
 
 
 RULES: tuple[LandmarkRule, ...] = (

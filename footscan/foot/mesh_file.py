@@ -1,11 +1,12 @@
 """Reading a foot from disk: any mesh file in any unit, or a folder made by `footscan process`."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import trimesh
 
 from footscan.errors import MeshError
-from footscan.foot.surface_files import load_origin
+from footscan.foot.surface_files import load_surface_ply
 from footscan.foot.units import mm_from_unit
 
 KINDS = (".stl", ".ply", ".obj", ".off", ".glb", ".3mf")
@@ -24,14 +25,12 @@ def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
     """
     factor = mm_from_unit(unit)
     if path.is_dir():
-        path = path / SURFACE
+        return load_surface_ply(path / SURFACE)
     if not path.is_file():
         raise MeshError(f"{path}: not there; give a mesh file ({', '.join(KINDS)}) or a folder made by `process`")
-    if path.name == SURFACE and factor == 1.0:
-        try:
-            return load_origin(path)
-        except ValueError:
-            pass  # another program's PLY of that name: read like any mesh, without an origin
+    if path.name == SURFACE and unit == "mm":
+        with suppress(MeshError):  # another program's file of that name: read like any mesh, without an origin
+            return load_surface_ply(path)
     return _load_any(path).apply_scale(factor)
 
 

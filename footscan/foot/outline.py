@@ -122,8 +122,8 @@ def find_bulge(outline: Outline, length_mm: float, window: tuple[float, float], 
     peak, at_end = _bulge_peak(out, _CLEAR_BULGE_SHARE * length_mm)
     place, top = float(x[peak]), float(out[peak])
     if not at_end:
-        place = _parabola_top(x, out, place, _PARABOLA_SHARE * length_mm)
-        top = float(_fit_parabola(x, out, place, _TOP_SHARE * length_mm)[0])
+        place = parabola_top(x, out, place, _PARABOLA_SHARE * length_mm)
+        top = float(fit_parabola(x, out, place, _TOP_SHARE * length_mm)[0])
     xy = np.array([place, sign * top])
     nearest = int(np.abs(outline.xy_skin - xy).sum(axis=1).argmin())
     return Extreme(xy, int(outline.vertex[nearest]), at_end)
@@ -150,7 +150,7 @@ def _bulge_peak(out: Floats, clear_mm: float) -> tuple[int, bool]:
     return (int(max(clear, key=lambda p: out[p])), False) if clear else (best, True)
 
 
-def _fit_parabola(x: Floats, out: Floats, place: float, half_width: float) -> Floats:
+def fit_parabola(x: Floats, out: Floats, place: float, half_width: float) -> Floats:
     """Coefficients `(3,)` in u = (x - place) / half_width, by weights that fall to 0 at u = 1 and -1."""
     u = (x - place) / half_width
     weight = np.clip(1.0 - u**2, 0.0, None)
@@ -158,10 +158,10 @@ def _fit_parabola(x: Floats, out: Floats, place: float, half_width: float) -> Fl
     return np.asarray(np.linalg.solve((weight * terms) @ terms.T, (weight * terms) @ out), dtype=np.float64)
 
 
-def _parabola_top(x: Floats, out: Floats, place: float, half_width: float) -> float:
+def parabola_top(x: Floats, out: Floats, place: float, half_width: float) -> float:
     """The x of the top of a parabola fitted round a peak, moved along until it stays."""
     for _ in range(20):
-        _, slope, bend = _fit_parabola(x, out, place, half_width)
+        _, slope, bend = fit_parabola(x, out, place, half_width)
         if bend >= 0:
             break
         step = float(np.clip(-slope / (2.0 * bend), -0.5, 0.5))
