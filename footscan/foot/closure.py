@@ -1,10 +1,10 @@
 """How the skin that nobody saw is continued down to the board.
 
 The machine looks from outside and a little above. Skin that leaned outwards below the lowest seen skin would have been
-seen, so the true skin goes on inside the tangent there. The one rule offered, `curvature-rounded`, therefore follows the
-lowest seen skin's own lean (never outwards, never more than 60 degrees from upright) and curvature, and runs out on the
-board in a parabola that is tangent to both; the sole within is flat. Nothing of it is measured. Vertical walls, the outer bound that
-tape girths use, are not drawn.
+seen, so the true skin goes on inside the tangent there. The one rule offered, `curvature-rounded`, therefore follows
+the lowest seen skin's own lean (never outwards, never more than 60 degrees from upright) and curvature, and runs out on
+the board in a parabola that is tangent to both; the sole within is flat. Nothing of it is measured. Vertical walls, the
+outer bound that tape girths use, are not drawn.
 """
 
 from dataclasses import dataclass

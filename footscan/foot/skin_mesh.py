@@ -10,6 +10,7 @@ from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
 from footscan.foot.nurbs import SplineTube
 
+_OVERLAP = 1.01  # area of all facets over the outline's own: more is an outline that crosses itself
 _CLEAR = 0.6  # of a facet: how far points within a flat part keep from its outline
 
 
@@ -93,11 +94,11 @@ def fill_outline(xy: Floats, facet_mm: float, what: str) -> tuple[Floats, Ints]:
     """
     inner = _inner_points(xy, facet_mm)
     facets = _delaunay_facets(xy, inner)
-    if _fills(facets, len(xy)):
+    if _fills(facets, xy, inner):
         return inner, facets
-    plain = np.asarray(manifold3d.triangulate([xy.copy()]), dtype=np.int64)
-    if _fills(plain, len(xy)):
-        return np.empty((0, 2)), plain
+    plain, nothing = np.asarray(manifold3d.triangulate([xy.copy()]), dtype=np.int64), np.empty((0, 2))
+    if _fills(plain, xy, nothing):
+        return nothing, plain
     raise MeshError(f"the outline of the {what} crosses itself; scan again or filter the cloud more strongly")
 
 
@@ -116,19 +117,27 @@ def _delaunay_facets(xy: Floats, inner: Floats) -> Ints:
     points = np.concatenate([xy, inner])
     facets = Delaunay(points).simplices.astype(np.int64)
     facets = facets[inside_outline(points[facets].mean(axis=1), xy)]
-    a, b, c = points[facets[:, 0]], points[facets[:, 1]], points[facets[:, 2]]
-    left = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0.0
+    left = _areas(facets, points) > 0.0
     return np.where(left[:, None], facets, facets[:, ::-1])
 
 
-def _fills(facets: Ints, ring: int) -> bool:
-    """Whether the boundary of a triangulation is exactly the ring 0 .. ring - 1."""
+def _fills(facets: Ints, xy: Floats, inner: Floats) -> bool:
+    """Whether the border of a triangulation is exactly the outline and its facets hardly overlap."""
+    ring, size = len(xy), len(xy) + len(inner)
     edges = facets[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    size = int(facets.max()) + 1
     keys, twins = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
     border = np.sort(keys[~np.isin(keys, twins)])
     wanted = np.arange(ring) * size + (np.arange(ring) + 1) % ring
-    return len(np.unique(keys)) == len(keys) and np.array_equal(border, np.sort(wanted))
+    if len(np.unique(keys)) < len(keys) or not np.array_equal(border, np.sort(wanted)):
+        return False
+    areas = _areas(facets, np.concatenate([xy, inner]))
+    return float(np.abs(areas).sum()) <= _OVERLAP * float(areas.sum())
+
+
+def _areas(facets: Ints, points: Floats) -> Floats:
+    """Signed areas, positive counter-clockwise."""
+    a, b, c = (points[facets[:, k]] for k in range(3))
+    return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
 
 
 def inside_outline(points: Floats, xy: Floats) -> Bools:

@@ -60,13 +60,20 @@ def find_stripe_spacing(xyz_mm: Floats, tree: KDTree) -> StripeSpacing:
     return StripeSpacing(probes, np.pi * _PROBE_RADIUS**2 / (counts * max(along, 1e-3)))
 
 
-def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats) -> Bools:
-    """Whether each place `(n, 3)` of a surface lies on skin that the points of a tree cover, see the module's text."""
+def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats, facet_mm: float) -> Bools:
+    """Whether places of a surface lie on skin that the points of a tree cover, see the module's text.
+
+    Args:
+        xyz_mm: `(n, 3)` places.
+        tree: Of the measured points.
+        radius_mm: `(n,)` closing radius.
+        facet_mm: Distance between places; the border lies a quarter of it before the first place not covered.
+    """
     near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
     if near.all() or not near.any():
         return near
     gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
-    near[near] = gap > radius_mm[near]
+    near[near] = gap > radius_mm[near] + 0.25 * facet_mm
     return near
 
 

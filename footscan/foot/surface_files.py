@@ -10,6 +10,7 @@ from geomdl import NURBS
 
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Floats
+from footscan.errors import MeshError
 from footscan.foot.nurbs import DEGREE, SplineTube
 
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -52,16 +53,19 @@ def save_surface_ply(mesh: trimesh.Trimesh, path: Path, comment: str) -> None:
     write_whole(path, "\n".join(lines).encode("ascii", "replace") + rows.tobytes() + faces.tobytes())
 
 
-def load_origin(path: Path) -> trimesh.Trimesh:
+def load_surface_ply(path: Path) -> trimesh.Trimesh:
     """Read a surface.ply back with its `vertex_attributes` (origin, sheets, residual_mm).
 
     Raises:
-        ValueError: Another kind of PLY.
+        MeshError: Missing, cut, or another kind of PLY.
     """
-    head, body = path.read_bytes().split(b"end_header\n", 1)
-    counts = [int(line.split()[2]) for line in head.decode("ascii").splitlines() if line.startswith("element")]
+    try:
+        head, body = path.read_bytes().split(b"end_header\n", 1)
+    except (OSError, ValueError) as err:
+        raise MeshError(f"{path} is no surface.ply of footscan ({err}); process the recording again") from err
+    counts = [int(line.split()[2]) for line in head.decode("ascii", "replace").splitlines() if line[:7] == "element"]
     if len(counts) != 2 or len(body) != counts[0] * _PLY_VERTEX.itemsize + counts[1] * _PLY_FACE.itemsize:
-        raise ValueError(f"{path} is no surface.ply of footscan; process the recording again")
+        raise MeshError(f"{path} is no surface.ply of footscan, or it is cut; process the recording again")
     rows = np.frombuffer(body, _PLY_VERTEX, counts[0])
     faces = np.frombuffer(body, _PLY_FACE, counts[1], offset=rows.nbytes)
     xyz = np.column_stack([rows[name] for name in "xyz"]).astype(np.float64)

@@ -35,7 +35,7 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
         raise MeshError("the fitted surface does not enclose a foot; scan again or filter the cloud more strongly")
     used = surface.weight > 0.0
     tree = KDTree(surface.xyz_world[used], balanced_tree=False)
-    origin, sheets = _origin_and_sheets(surface, skin, used, tree)
+    origin, sheets = _origin_and_sheets(surface, skin, used, tree, facet_mm)
     residual = _residuals(surface.residual_mm[used], tree, skin.xyz_mm, origin == Origin.SEEN)
     mesh.vertex_attributes["origin"] = origin.astype(np.uint8)
     mesh.vertex_attributes["sheets"] = sheets.astype(np.uint8)
@@ -43,11 +43,13 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
     return mesh
 
 
-def _origin_and_sheets(surface: FootSurface, skin: SkinMesh, used: Bools, tree: KDTree) -> tuple[Ints, Ints]:
+def _origin_and_sheets(
+    surface: FootSurface, skin: SkinMesh, used: Bools, tree: KDTree, facet_mm: float
+) -> tuple[Ints, Ints]:
     points, laser = surface.xyz_world[used], surface.laser[used]
     places = skin.xyz_mm[: len(skin.u)]
     radius = closing_radius_mm(find_stripe_spacing(points, tree), places)
-    covered = find_covered(places, tree, radius)
+    covered = find_covered(places, tree, radius, facet_mm)
     lowest = np.interp(skin.u, surface.lowest_u, surface.lowest_v, period=1.0)
     origin = classify(covered, skin.v, lowest)
     origin[: skin.count_around] = Origin.ASSUMED_SOLE
