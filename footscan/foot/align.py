@@ -107,13 +107,12 @@ def align_foot(
     heading = rough_heading(shell)
     outline = find_outline(shell, OUTLINE_HEIGHT_SHARE * heading.length_mm)
     check_shape(shell, outline, heading)
-    score = side_score(shell, outline, heading)
-    shape_side: Side | None = None if abs(score) < _SURE_SCORE else ("right" if score > 0 else "left")
+    left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")
+    shape_side = None if left == "ball missing" else _side_of_score(side_score(shell, outline, heading))
     used, questions = _side(side, shape_side)
     questions += standing_questions(shell, heading.length_mm)
     mirrored = used == "left"
     marks = {name: np.asarray(xyz, dtype=np.float64)[:2] for name, xyz in (given or {}).items()}
-    left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")
     forward = fit_axis(outline, heading.xy_forward, axis, marks, mirrored=mirrored, front=left)
     in_frame = turned(outline, forward, mirrored=mirrored)
     length = float(np.ptp(in_frame.xy[:, 0]))
@@ -164,6 +163,12 @@ def _fixed_point(lean: Callable[[float], float]) -> float:
 def _reference(outline: Outline, front: Front) -> float:
     length = float(np.ptp(outline.xy[:, 0]))
     return length if front == "whole" else max(length, length_from_heel(outline, length))
+
+
+def _side_of_score(score: float) -> Side | None:
+    if abs(score) < _SURE_SCORE:
+        return None
+    return "right" if score > 0 else "left"
 
 
 def _side(side: Side | None, shape_side: Side | None) -> tuple[Side, tuple[str, ...]]:

@@ -10,8 +10,9 @@ import trimesh
 from footscan.coordinates import Floats, Side
 from footscan.errors import MeshError
 from footscan.foot.align import AXIS_WORDS, AxisName, align_foot
-from footscan.foot.catalogue import CATALOGUE, NOT_MEASURABLE, Entry, Reading
+from footscan.foot.catalogue import CATALOGUE, NOT_MEASURABLE, Entry
 from footscan.foot.landmarks import BY_HAND, NEEDS_HAND, RULES, Landmark, Landmarks, find_landmarks
+from footscan.foot.readings import Reading
 from footscan.foot.repair import repair_shell
 from footscan.foot.shell import Shell, shell_from_mesh
 from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
