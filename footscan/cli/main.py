@@ -8,6 +8,7 @@ import typer
 
 from footscan.cli.bench import bench_app
 from footscan.cli.info import info
+from footscan.cli.measure import measure_command, section_command
 from footscan.cli.process import process
 from footscan.cli.simulate import demo, simulate
 from footscan.errors import FootscanError
@@ -21,6 +22,8 @@ app = typer.Typer(
 )
 app.command()(process)
 app.command()(info)
+app.command("measure")(measure_command)
+app.command("section")(section_command)
 app.command()(simulate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")

@@ -7,6 +7,8 @@ import typer
 
 from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.config import load_calibration
+from footscan.config.recording_file import Load
+from footscan.config.recording_file import Surface as CoverKind
 from footscan.coordinates import Side
 from footscan.scanning.filters import FilterKind, FilterSettings
 from footscan.scanning.recording import open_recording
@@ -39,15 +41,17 @@ def process(
     filter_size: Annotated[int, typer.Option(help="Median filter: 3 or 5 px.")] = 3,
     filter_sigma: Annotated[float, typer.Option(help="Gaussian filter: 0.3 to 3 px.")] = 0.8,
     side: Annotated[Side | None, typer.Option(help="Side of the foot; default: the recording's.")] = None,
+    load: Annotated[Load | None, typer.Option(help="Load on the foot; default: the recording's.")] = None,
+    surface: Annotated[CoverKind | None, typer.Option(help="What covers the skin; default: the recording's.")] = None,
     kind: Annotated[ObjectKind, typer.Option("--object", help="What stands on the board.")] = "foot",
     one_laser: Annotated[
         bool, typer.Option("--one-laser", help="Accept a scan of which one laser is missing.")
     ] = False,
     json_only: Annotated[bool, typer.Option("--json", help="Print scan.json and nothing else.")] = False,
 ) -> None:
-    """Turn a recording into points in millimetres (and pictures to look at)."""
+    """Turn a recording into a measured foot: points, closed surface, measurements, pictures."""
     sweep = SweepSettings(parse_threshold(threshold), FilterSettings(picture_filter, filter_size, filter_sigma))
-    settings = ProcessSettings(sweep, kind, side, one_laser)
+    settings = ProcessSettings(sweep, kind, side, one_laser, load, surface)
     machine = load_calibration(calibration)
     with progress_bar("frames", quiet=json_only) as progress:
         result = process_recording(open_recording(recording), machine, settings, progress)
@@ -71,4 +75,13 @@ def _tell(report: dict[str, Any], out: Path) -> None:
             )
     for remark in report["remarks"]:
         STDOUT.print(f"Remark: {remark}")
-    STDOUT.print(f"Results in {out}: points.ply, preview.png, scan.json ({sum(report['seconds'].values()):.1f} s)")
+    if "foot" in report:
+        _tell_foot(report["foot"])
+    STDOUT.print(f"Results in {out}, start with report.png ({sum(report['seconds'].values()):.1f} s)")
+
+
+def _tell_foot(foot: dict[str, Any]) -> None:
+    skin = ", ".join(f"{100 * share:.0f} % {kind.replace('_', ' ')}" for kind, share in foot["skin"].items())
+    STDOUT.print(f"Foot: {foot['volume_cm3']:.0f} cm3 up to {foot['cut_height_mm']:.0f} mm, skin {skin}")
+    for question in foot["questions"]:
+        STDOUT.print(f"Question: {question}")

@@ -1,6 +1,8 @@
 """Removal of everything that is not the foot: the board, loose specks, other bodies, points off the surface."""
 
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +18,7 @@ _CELL_MM = 5.0
 _SAME_BODY_GAP_MM = 15.0
 _SPECK_SHARE = 0.002
 _NEIGHBOURS = 24
+_PARTS = 2
 _REACH_MM = 5.0
 _FEWEST_NEIGHBOURS = 6
 _OFF_SURFACE_MM = 0.6
@@ -53,7 +56,13 @@ def _on_surface(xyz_world: Floats) -> Bools:
     """Points with enough neighbours that lie on the quadratic through them, judged against the local scatter."""
     _, index = PointTree(xyz_world).nearest(xyz_world, _NEIGHBOURS, _REACH_MM)
     residual, members = np.empty(len(xyz_world)), np.empty(len(xyz_world), dtype=np.int64)
-    _off_quadratic(xyz_world, index, residual, members)
+    parts = np.linspace(0, len(xyz_world), _PARTS + 1).astype(int)
+    with ThreadPoolExecutor(_PARTS) as pool:
+        for part in [
+            pool.submit(_off_quadratic, xyz_world, a, index[a:b], residual[a:b], members[a:b])
+            for a, b in pairwise(parts.tolist())
+        ]:
+            part.result()
     known = np.abs(residual[np.isfinite(residual)])
     scatter = float(np.median(known)) if len(known) else 0.0
     limit = max(_OFF_SURFACE_MM, _OFF_SURFACE_SCALES * 1.4826 * scatter)
@@ -61,10 +70,10 @@ def _on_surface(xyz_world: Floats) -> Bools:
 
 
 @compiled
-def _off_quadratic(xyz: Floats, index: Ints, residual: Floats, members: Ints) -> None:
-    """Distance of each point from the quadratic over its neighbours' tangent plane, itself left out."""
+def _off_quadratic(xyz: Floats, begin: int, index: Ints, residual: Floats, members: Ints) -> None:
+    """Distance of points (from `begin` on) from the quadratic over their neighbours' tangent plane, itself left out."""
     n = xyz.shape[0]
-    for i in range(n):
+    for i in range(index.shape[0]):
         count = 0
         mean = np.zeros(3)
         for k in range(1, index.shape[1]):
@@ -86,7 +95,7 @@ def _off_quadratic(xyz: Floats, index: Ints, residual: Floats, members: Ints) ->
         normal, s_axis, t_axis = axes[:, 0], axes[:, 2], axes[:, 1]
         matrix, right = np.zeros((6, 6)), np.zeros(6)
         for k in range(1, count + 1):
-            d = xyz[index[i, k]] - xyz[i]
+            d = xyz[index[i, k]] - xyz[begin + i]
             s, t = (d * s_axis).sum() / _REACH_MM, (d * t_axis).sum() / _REACH_MM
             row = np.array([1.0, s, t, s * s, s * t, t * t])
             height = (d * normal).sum()

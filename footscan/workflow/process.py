@@ -11,6 +11,8 @@ from typing import Any, Literal
 import numpy as np
 
 import footscan
+from footscan.config.recording_file import Load
+from footscan.config.recording_file import Surface as CoverKind
 from footscan.coordinates import LASER_NAMES, LaserName, Side
 from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
 from footscan.optics.calibration import Calibration, fingerprint
@@ -34,6 +36,8 @@ class ProcessSettings:
     kind: ObjectKind = "foot"
     side: Side | None = None
     one_laser: bool = False
+    load: Load | None = None
+    surface: CoverKind | None = None
 
 
 @dataclass(frozen=True)

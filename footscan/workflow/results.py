@@ -1,20 +1,28 @@
 """What a processed scan leaves in its folder; every file is there whole or not at all."""
 
 import json
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from footscan.config.toml_file import write_whole
+from footscan.coordinates import Side
+from footscan.errors import EmptyScanError, FootscanError, MeshError
 from footscan.scanning.point_file import save_points
+from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, scan_report
 
 
 def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) -> dict[str, Any]:
-    """Write points.ply, matrix.npz, preview.png and scan.json; returns the content of scan.json.
+    """Write points.ply, matrix.npz, preview.png, of a foot surface.*, measurements.json and report.png, and scan.json.
+
+    Returns:
+        The content of scan.json.
 
     Raises:
         StorageError: The folder cannot be written; files written before stay whole.
+        MeshError: The points are no foot that can be measured; points, pictures and scan.json are there all the same.
     """
     stages = Stages()
     with stages.stage("points.ply"):
@@ -24,6 +32,31 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     with stages.stage("preview.png"):
         save_preview(result, folder / "preview.png")
     report = scan_report(result, settings)
+    refusal = _add_foot(result, settings, folder, report, stages) if settings.kind == "foot" else None
     report["seconds"] = result.seconds | stages.seconds
     write_whole(folder / "scan.json", (json.dumps(report, indent=1) + "\n").encode())
+    if refusal is not None:
+        raise refusal
     return report
+
+
+def _add_foot(
+    result: ScanResult, settings: ProcessSettings, folder: Path, report: dict[str, Any], stages: Stages
+) -> FootscanError | None:
+    """Fit, measure and save the foot; a refusal is noted in the report and returned."""
+    info = result.recording.info
+    side: Side | None = settings.side or (None if info.side == "none" else info.side)
+    subject = replace(
+        info.subject, load=settings.load or info.subject.load, surface=settings.surface or info.subject.surface
+    )
+    report["subject"] = asdict(subject)
+    try:
+        with stages.stage("surface and measurements"):
+            foot = measure_scan(result.cloud, side, subject)
+    except (MeshError, EmptyScanError) as refusal:
+        report["foot"] = {"refused": str(refusal)}
+        return refusal
+    report["foot"] = foot_report(foot)
+    with stages.stage("surface files and report.png"):
+        save_foot(foot, folder, result.recording.folder.name)
+    return None

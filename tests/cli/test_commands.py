@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+FOOT_FILES = {"surface.stl", "surface.ply", "surface.json", "measurements.json", "report.png"}
+
 
 def footscan(*arguments, check=None):
     done = subprocess.run(
@@ -31,7 +33,7 @@ def test_process_prints_one_json_object_and_nothing_else(small_scan, tmp_path):
 
     assert json.loads(done.stdout)["frames"]["used"] == 96
     assert done.stderr == "" or "Compiling" in done.stderr
-    assert {path.name for path in (tmp_path / "o").iterdir()} >= {"points.ply", "scan.json", "preview.png"}
+    assert {path.name for path in (tmp_path / "o").iterdir()} >= {"points.ply", "scan.json", "preview.png", *FOOT_FILES}
 
 
 def test_process_tells_a_person_what_came_out(small_scan, tmp_path):
@@ -48,6 +50,7 @@ def test_process_tells_a_person_what_came_out(small_scan, tmp_path):
     )
 
     assert "96 frames, 96 used; threshold 40" in done.stdout
+    assert "% assumed sole" in done.stdout
     assert "right minus left" in done.stdout
 
 
@@ -105,3 +108,67 @@ def test_simulate_writes_a_recording_that_info_finds_whole(tmp_path):
     assert content["frames"] == 16
     assert content["problems"] == []
     assert {path.name for path in Path(tmp_path / "s").iterdir()} >= {"truth-calibration.toml", "truth.stl"}
+
+
+@pytest.fixture(scope="module")
+def processed(small_scan, tmp_path_factory):
+    out = tmp_path_factory.mktemp("processed") / "o"
+    footscan("process", small_scan, "--calibration", small_scan / "truth-calibration.toml", "--out", out, check=0)
+    return out
+
+
+def test_a_processed_folder_is_measured_with_its_side_and_what_was_seen(processed):
+    stored = json.loads((processed / "measurements.json").read_text())
+    again = json.loads(footscan("measure", processed, "--json", check=0).stdout)
+    bare = json.loads(footscan("measure", processed / "surface.stl", "--side", "left", "--json", check=0).stdout)
+
+    assert stored["format"] == "footscan-measurements/1"
+    assert again["side"] == stored["side"] == "left"
+    assert again["origin_of_skin"] == "known"
+    assert bare["origin_of_skin"] == "unknown"
+    for name, value in stored["measurements"].items():
+        if value["value"] is not None:
+            assert again["measurements"][name]["value"] == pytest.approx(value["value"], abs=0.02), name
+    assert 200 < stored["measurements"]["foot_length"]["value"] < 300
+
+
+def test_a_section_gives_the_contract_values(processed):
+    cut = json.loads(
+        footscan("section", processed, "--origin", "0,0,30", "--normal", "0,0,1", "--json", check=0).stdout
+    )
+
+    assert {"area_mm2", "perimeter_mm", "hull_perimeter_mm", "width_mm", "height_mm", "unseen_share"} <= cut.keys()
+    assert cut["perimeter_mm"] >= cut["hull_perimeter_mm"] - 1e-6
+    assert 0.0 <= cut["unseen_share"] <= 1.0
+    assert cut["closed"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["section", "OUT", "--origin", "0,0", "--normal", "0,0,1"], "three numbers"),
+        (["section", "OUT", "--origin", "0,0,999", "--normal", "0,0,1"], "does not meet the foot"),
+        (["section", "OUT", "--origin", "0,0,50", "--normal", "0,0,0"], "normal"),
+        (["measure", "OUT/surface.stl", "--unit", "m"], "foot is 80 to 400 mm"),
+        (["measure", "OUT/scan.json"], "not read"),
+        (["measure", "nothing.stl"], "not there"),
+    ],
+)
+def test_bad_sections_and_meshes_end_in_one_sentence(processed, arguments, words):
+    done = footscan(*[_placed(argument, {"OUT": str(processed)}) for argument in arguments], check=2)
+
+    assert words in " ".join(done.stderr.replace("│", " ").split())
+    assert "Traceback" not in done.stderr
+
+
+def test_what_is_no_foot_keeps_its_points_and_says_why(tmp_path):
+    footscan("simulate", "sphere", tmp_path / "s", "--ideal", "--frames", "48", check=0)
+    calibration = tmp_path / "s/truth-calibration.toml"
+    done = footscan("process", tmp_path / "s", "--calibration", calibration, "--out", tmp_path / "o")
+
+    assert done.returncode in (2, 4)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "o/points.ply").is_file()
+    assert json.loads((tmp_path / "o/scan.json").read_text())["foot"]["refused"] in done.stderr.replace(
+        "footscan: ", ""
+    )

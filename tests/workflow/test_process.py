@@ -226,8 +226,8 @@ def test_the_demo_compares_with_the_truth_and_can_be_repeated(tmp_path, prototyp
     def quiet(done, total):
         return None
 
-    first = run_demo(prototype, 5, tmp_path / "demo", quiet, frames_per_sweep=24)
-    again = run_demo(prototype, 5, tmp_path / "demo", quiet, frames_per_sweep=24)
+    first = run_demo(prototype, 5, tmp_path / "demo", quiet, frames_per_sweep=48)
+    again = run_demo(prototype, 5, tmp_path / "demo", quiet, frames_per_sweep=48)
 
     assert first.rms_mm == pytest.approx(again.rms_mm)
     assert first.rms_mm < 0.1
