@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from footscan.config import load_calibration
 from footscan.optics.calibration import Calibration
 from footscan.optics.scanner import Scanner, calibration_from_design
