@@ -98,8 +98,8 @@ def add_stiffness(gram_u: Floats, gram_v: Floats, weight: Floats, count_u: int, 
     """Add the energy of second differences to the band.
 
     Args:
-        gram_u: `(3,)` unused shape marker kept at the weights of uu, uv, vv.
-        gram_v: `(n_v, 2)` ratios of the neighbouring row spacings (below, above) over their mean.
+        gram_u: `(3,)` weights of the differences around, up and mixed.
+        gram_v: `(n_v, 2)` the neighbouring row spacings (below, above) over their mean.
         weight: `(n_v, n_u)` local stiffness at each control point.
         count_u: Control columns.
         count_v: Control rows.

@@ -10,7 +10,7 @@ from footscan.foot.skin_mesh import SkinMesh, build_skin_mesh
 from footscan.foot.skin_origin import Origin, classify, closing_radius_mm, find_covered, find_stripe_spacing
 from footscan.foot.surface import FootSurface
 
-FACET_MM = 2.0
+FACET_MM = 1.6
 _NEAR_POINTS = 4
 _ONE_LASER = 1.5  # of the closing radius: one laser's stripes lie twice as far apart as both lasers'
 
