@@ -88,7 +88,17 @@ def find_smallest(
     if value >= values[k]:
         place, value = float(places[k]), float(values[k])
     flat = min(values[0], values[-1]) - value < _FLAT * value
-    return place, value, flat or min(place - band[0], band[1] - place) < 1e-3 * (band[1] - band[0])
+    if flat or min(place - band[0], band[1] - place) < 1e-3 * (band[1] - band[0]):
+        return place, value, True
+    place = _settled(measure, place, min(0.002 * (band[1] - band[0]), place - band[0], band[1] - place))
+    return place, measure(place), False
+
+
+def _settled(measure: Callable[[float], float], place: float, half_width: float) -> float:
+    """The bottom of the parabola through a minimum and both sides: rounding moves it far less than the search's end."""
+    left, middle, right = (measure(place + side * half_width) for side in (-1.0, 0.0, 1.0))
+    bend = left - 2.0 * middle + right
+    return place + half_width * float(np.clip((left - right) / (2.0 * bend), -1.0, 1.0)) if bend > 0 else place
 
 
 def _wall_points(shell: Shell, length_mm: float, origin: Floats, normal: Floats) -> Floats:

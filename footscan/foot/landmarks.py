@@ -29,12 +29,12 @@ from footscan.foot.standing import StandingFoot
 INSTEP_SHARE = 0.50
 TOE_1_SIDE_SHARE, TOE_5_SIDE_SHARE = 0.90, 0.80
 MALLEOLUS_BAND = (0.19, 0.41)
-CHORD_TOP_SHARE = 0.34
+CHORD_TOP_SHARE = 0.3425
 """Where no bulge stands out, the ankle is sought off the chord up to this share of the length, however high
 the leg goes."""
 MALLEOLUS_WINDOW = (0.15, 0.35)
 JUNCTION_BAND_RAD = (np.radians(25.0), np.radians(60.0))
-_CLEAR_BULGE_SHARE, _MALLEOLUS_PARABOLA_SHARE = 0.002, 0.045
+_LEVEL_STEP_SHARE, _CLEAR_BULGE_SHARE, _MALLEOLUS_PARABOLA_SHARE = 0.005, 0.002, 0.045
 
 NEEDS_HAND = "needs palpation"
 
@@ -209,7 +209,8 @@ def _malleolus(sign: float) -> Callable[[StandingFoot, Landmarks], Landmark | Mi
         top = min(high, foot.top_mm - 0.005 * foot.length_mm)
         if top < CHORD_TOP_SHARE * foot.length_mm:
             return f"cut off: the mesh ends at {foot.top_mm:.0f} mm"
-        heights = np.arange(bottom, top, 0.005 * foot.length_mm)
+        step = _LEVEL_STEP_SHARE * foot.length_mm
+        heights = bottom + step * np.arange(int((top - bottom) / step + 1e-6) + 1, dtype=np.float64)
         points = np.array([_outermost(foot, z, sign) for z in heights])
         return _bulge_of_profile(heights, points, sign, foot.length_mm)
 

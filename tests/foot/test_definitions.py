@@ -163,16 +163,23 @@ def test_the_interval_runs_from_the_seen_arc_to_walls_down_to_the_board(turn_deg
     assert found.interval_mm == pytest.approx((low, ConvexHull(walled).area + MARGIN_MM), abs=0.3)
 
 
-def test_walls_start_where_the_seen_skin_ends(foot):
-    marked = foot.copy()
-    arch = (foot.vertices[:, 1] > 15.0) & (foot.vertices[:, 2] < 20.0)
-    origin = np.where((foot.vertices[:, 2] < 5.0) | arch, 2, 0).astype(np.uint8)
-    everywhere = np.where(foot.vertices[:, 2] < 5.0, 2, 0).astype(np.uint8)
+def test_walls_start_where_the_seen_skin_ends():
+    radius, rim = 30.0, 24.0
+    pipe = _pipe(radius)
+    xyz = np.array(pipe.vertices)
+    hidden = (xyz[:, 2] < NEVER_SEEN_BELOW_MM) | ((xyz[:, 1] > 0.0) & (xyz[:, 2] < rim))
 
-    widths = []
-    for marking in (everywhere, origin):
-        marked.vertex_attributes["origin"] = marking
-        low, high = measure(marked, "right")["instep_girth"].interval
-        widths.append(high - low)
+    found = measure_girth(
+        Shell(xyz, np.array(pipe.faces), np.where(hidden, 2, 0).astype(np.uint8)),
+        260.0,
+        np.array([100.0, 0, 0]),
+        ACROSS,
+    )
 
-    assert widths[1] > widths[0] + 2.0
+    angle = np.linspace(0.0, 2.0 * np.pi, 20001)
+    circle = radius * np.stack([np.cos(angle), 1.0 + np.sin(angle)], axis=1)
+    low_wall = np.sqrt(radius**2 - (radius - WALL_SHARE * 260.0) ** 2)
+    high_wall = np.sqrt(radius**2 - (radius - rim) ** 2)
+    walled = np.concatenate([circle, [[-low_wall, 0.0], [high_wall, 0.0]]])
+    assert found.interval_mm[1] > ConvexHull(walled).area + MARGIN_MM - 0.3
+    assert found.interval_mm[1] < ConvexHull(walled).area + MARGIN_MM + 2.0

@@ -181,4 +181,5 @@ def test_the_dxf_of_a_stack_holds_every_corner_once(foot):
     assert pairs.count(("0", "VERTEX")) == corners
     assert pairs.count(("0", "POLYLINE")) == pairs.count(("0", "SEQEND")) == outlines
     assert len(xs) == corners + outlines
+    assert sorted({value for code, value in pairs if code == "70"}) == ["32", "9"]  # corners; closed in space
     assert {value for code, value in pairs if code == "8"} == {"SECTION_020_0", "SECTION_050_0"}
