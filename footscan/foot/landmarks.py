@@ -23,6 +23,7 @@ from footscan.foot.outline import (
     parabola_top,
 )
 from footscan.foot.sections import cut_shell
+from footscan.foot.shell import Shell, compact
 from footscan.foot.skin_origin import Origin
 from footscan.foot.standing import StandingFoot
 
@@ -211,23 +212,33 @@ def _malleolus(sign: float) -> Callable[[StandingFoot, Landmarks], Landmark | Mi
             return f"cut off: the mesh ends at {foot.top_mm:.0f} mm"
         step = _LEVEL_STEP_SHARE * foot.length_mm
         heights = bottom + step * np.arange(int((top - bottom) / step + 1e-6) + 1, dtype=np.float64)
-        points = np.array([_outermost(foot, z, sign) for z in heights])
+        part = _between(foot, (bottom, top))
+        points = np.array([_outermost(part, foot.length_mm, z, sign) for z in heights])
         return _bulge_of_profile(heights, points, sign, foot.length_mm)
 
     return find
 
 
-def _outermost(foot: StandingFoot, height_mm: float, sign: float) -> Floats:
+def _between(foot: StandingFoot, z_band: tuple[float, float]) -> Shell:
+    """The triangles that reach into a band of heights and into the malleoli's window along the axis."""
+    corner = foot.shell.xyz[foot.shell.faces]
+    low, high = corner.min(axis=1), corner.max(axis=1)
+    first, last = (share * foot.length_mm for share in MALLEOLUS_WINDOW)
+    inside = (low[:, 2] <= z_band[1]) & (high[:, 2] >= z_band[0]) & (low[:, 0] <= last) & (high[:, 0] >= first)
+    return compact(Shell(foot.shell.xyz, foot.shell.faces[inside]))
+
+
+def _outermost(shell: Shell, length_mm: float, height_mm: float, sign: float) -> Floats:
     """The most medial or lateral point `(3,)` of the level cut, within the malleoli's window along the axis."""
-    segments = cut_shell(foot.shell, np.array([0.0, 0.0, height_mm]), np.array([0.0, 0.0, 1.0])).xyz
+    segments = cut_shell(shell, np.array([0.0, 0.0, height_mm]), np.array([0.0, 0.0, 1.0])).xyz
     points = [segments.reshape(-1, 3)]
-    for x in (share * foot.length_mm for share in MALLEOLUS_WINDOW):
+    for x in (share * length_mm for share in MALLEOLUS_WINDOW):
         a, b = segments[:, 0], segments[:, 1]
         through = (a[:, 0] < x) != (b[:, 0] < x)
         a, b = a[through], b[through]
         points.append(a + ((x - a[:, 0]) / (b[:, 0] - a[:, 0]))[:, None] * (b - a))
     xyz = np.concatenate(points)
-    low, high = (share * foot.length_mm for share in MALLEOLUS_WINDOW)
+    low, high = (share * length_mm for share in MALLEOLUS_WINDOW)
     xyz = xyz[(xyz[:, 0] >= low - 1e-9) & (xyz[:, 0] <= high + 1e-9)]
     return xyz[(sign * xyz[:, 1]).argmax()] if len(xyz) else np.array([low, -sign * np.inf, height_mm])
 

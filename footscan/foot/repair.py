@@ -48,8 +48,8 @@ def repair_shell(shell: Shell) -> tuple[Shell, list[str]]:
     shell = _merged(shell)
     shell = _without_double_faces(shell, remarks)
     shell = _largest_piece(shell, remarks)
-    shell = _consistent(shell, remarks)
-    shell = _without_holes(shell, remarks)
+    if not _is_sound(shell):
+        shell = _without_holes(_consistent(shell, remarks), remarks)
     return _outward(shell, remarks), remarks
 
 
@@ -116,6 +116,15 @@ def _largest_piece(shell: Shell, remarks: list[str]) -> Shell:
         raise MeshError(f"{many} separate large pieces ({what}): one foot at a time; save each as a mesh of its own")
     remarks.append(f"{int((others > 0).sum())} loose pieces ({others.sum():.0f} mm2) were left out")
     return compact(Shell(shell.xyz, shell.faces[piece == largest], shell.origin))
+
+
+def _is_sound(shell: Shell) -> bool:
+    """Whether every edge is run along once in each direction: closed, and all faces turned alike."""
+    edges = shell.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    size = len(shell.xyz)
+    there = np.sort(edges[:, 0] * size + edges[:, 1])
+    back = np.sort(edges[:, 1] * size + edges[:, 0])
+    return bool(np.array_equal(there, back)) and bool((there[1:] != there[:-1]).all())
 
 
 def _consistent(shell: Shell, remarks: list[str]) -> Shell:
