@@ -11,7 +11,7 @@ from footscan.cli.console import STDERR, STDOUT, print_json
 from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
-from footscan.workflow import stripe_bench
+from footscan.workflow import foot_bench, stripe_bench
 from footscan.workflow.designs import builtin_scanner
 
 bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)
@@ -82,3 +82,23 @@ def bench_tables(
     for size, target_ms in (((582, 500), 10.0), ((2448, 2048), 200.0)):
         low, middle = stripe_bench.time_tables(design, *size)
         STDOUT.print(f"both tables {size[0]}x{size[1]}: {low:.1f} / {middle:.1f} ms (target {target_ms:.0f})")
+
+
+@bench_app.command("foot")
+def bench_foot(
+    points: Annotated[int, typer.Option(help="Points of the cloud.", min=20000, max=2000000)] = 100_000,
+    repeats: Annotated[int, typer.Option(help="Runs of each step.", min=2, max=100)] = 5,
+) -> None:
+    """Cloud -> surface -> mesh -> measurements, and a section, beside geomdl's fit and trimesh's cut."""
+    with announce_compilation(STDERR.print):
+        timings = foot_bench.time_foot(points, repeats)
+    table = Table(title="ms: minimum / median")
+    for column in ("step", "footscan", "target", "baseline", "ms", "times as fast"):
+        table.add_column(column, justify="right" if column != "step" else "left")
+    for t in timings:
+        own = f"{t.ours_ms[0]:.1f} / {t.ours_ms[1]:.1f}"
+        target = "" if t.target_ms is None else f"{t.target_ms:.0f}"
+        other = "" if t.baseline_ms is None else f"{t.baseline_ms[0]:.1f} / {t.baseline_ms[1]:.1f}"
+        ratio = "" if t.baseline_ms is None else f"{t.baseline_ms[1] / t.ours_ms[1]:.1f}"
+        table.add_row(t.step, own, target, t.baseline, other, ratio)
+    STDOUT.print(table)

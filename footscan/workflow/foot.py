@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from threadpoolctl import threadpool_limits
 
 from footscan.config.recording_file import Subject
 from footscan.config.toml_file import write_whole
@@ -41,7 +42,8 @@ def measure_scan(cloud: Cloud, side: Side | None, subject: Subject) -> MeasuredF
         MeshError: No foot, two, or one that is partly outside the view.
         EmptyScanError: Too few points.
     """
-    surface = fit_foot_surface(cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser)
+    with threadpool_limits(1):  # two BLAS threads that wait for each other are slower than one
+        surface = fit_foot_surface(cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser)
     mesh = mesh_from_surface(surface)
     return MeasuredFoot(surface, mesh, measure(mesh, side, load=subject.load, absent=subject.absent))
 

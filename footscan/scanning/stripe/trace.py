@@ -2,15 +2,17 @@
 
 import numpy as np
 
-from footscan.compiled import compiled
+from footscan.compiled import Real, compiled, compiled_inline
 from footscan.coordinates import Floats, Floats32, Frame
 from footscan.scanning.stripe.neighbours import judge_points, row_starts, sort_by_pixel
 from footscan.scanning.stripe.ridge import add_border_points, find_ridge_points
 
 # Columns of a traced point: u, v (px), weight (0..1), peak (grey), standard deviation across (px).
 TRACE_COLUMNS = 5
-_FULL_PEAK = 200.0  # grey: a peak from which brightness no longer limits the accuracy
+_FULL_PEAK = 160.0  # grey: a peak from which brightness no longer limits the accuracy
 _SHARP_PX = 2.0
+_STEADY = 60.0
+_END_WEIGHT = 1.0
 
 
 @compiled
@@ -52,8 +54,20 @@ def trace_stripe(
             sigma_px = np.sqrt(max(ordered[i, 3] - rules[3], 1e-6))
             traced[kept, 0] = ordered[i, 0] + verdict[i, 1] * ordered[i, 4]
             traced[kept, 1] = ordered[i, 1] + verdict[i, 1] * ordered[i, 5]
-            bright, sharp = min(ordered[i, 2] / _FULL_PEAK, 1.0), min(_SHARP_PX / sigma_px, 1.0)
-            traced[kept, 2] = bright * sharp * (1.0 - verdict[i, 2] / rules[2])
+            traced[kept, 2] = _weight(ordered[i], verdict[i], sigma_px, rules[2])
             traced[kept, 3], traced[kept, 4] = ordered[i, 2], sigma_px
             kept += 1
     return kept
+
+
+@compiled_inline
+def _weight(point: Floats32, verdict: Floats32, sigma_px: Real, roughest_px: Real) -> Real:
+    """0..1: bright, sharp and calm.
+
+    On skin the error grows threefold from the brightest to the dimmest stripes, where the light grazes. Weighing more
+    steeply, or by the distance from the stripe's end, was tried: points close to the board then lose against the
+    assumed sole, and the seen skin of the fitted foot gets worse (0.075 to 0.2 mm RMS).
+    """
+    bright = min(point[2] / _FULL_PEAK, 1.0)
+    sharp = min(_SHARP_PX / sigma_px, 1.0)
+    return bright * sharp * (1.0 - verdict[2] / roughest_px)
