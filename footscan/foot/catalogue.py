@@ -29,6 +29,7 @@ from footscan.foot.readings import (
     toe_height,
     volume_to_cut,
     waist_girth,
+    width_at,
 )
 from footscan.foot.standing import StandingFoot
 
@@ -128,6 +129,13 @@ CATALOGUE: tuple[Entry, ...] = (
         "width of the cut across the axis at 16 % of the length, below 16 % in height",
         ("heel_medial", "heel_lateral"),
         across("heel_medial", "heel_lateral"),
+    ),
+    Entry(
+        "midfoot_breadth",
+        "mm",
+        "width of the cut across the axis at 50 % of the length, below 16 % of it in height",
+        ("pternion",),
+        width_at(0.5),
     ),
     Entry(
         "bimalleolar_breadth",

@@ -21,6 +21,7 @@ from footscan.foot.standing import VOLUME_HEIGHT_SHARE, StandingFoot
 ANKLE_BAND = (0.30, 0.51)
 WAIST_BAND = (0.52, 0.64)
 TOE_HEIGHT_SHARE = 0.90
+WIDTH_HEIGHT_SHARE = 0.16
 UNSEEN_LIMIT = 0.10
 """A girth of which more than this share, above the sole's edge, was not seen is not reliable."""
 
@@ -58,6 +59,19 @@ def length_along(axis: AxisName) -> Callable[[StandingFoot, Landmarks], Reading]
 def across(first: str, second: str) -> Callable[[StandingFoot, Landmarks], Reading]:
     """Distance across the axis between two landmarks."""
     return lambda _, marks: Reading(abs(float(_between(marks[first], marks[second])[1])))
+
+
+def width_at(share: float) -> Callable[[StandingFoot, Landmarks], Reading | Missing]:
+    """Width of the cut across the axis at a share of the length, below `WIDTH_HEIGHT_SHARE` of the length in height."""
+
+    def measure(foot: StandingFoot, _: Landmarks) -> Reading | Missing:
+        xyz = foot.across(share)
+        low = xyz[xyz[:, 2] < WIDTH_HEIGHT_SHARE * foot.length_mm]
+        if len(low) == 0:
+            return "not applicable: the foot does not reach that far"
+        return Reading(float(np.ptp(low[:, 1])))
+
+    return measure
 
 
 def level_distance(first: str, second: str) -> Callable[[StandingFoot, Landmarks], Reading]:

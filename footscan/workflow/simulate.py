@@ -90,5 +90,5 @@ def _lines(report: dict[str, object], rms_mm: float, median_mm: float, results: 
         f"{frames['used']} of {frames['seen']} frames used, {points['kept']} points kept, "
         f"processed in {sum(seconds.values()):.1f} s",
         f"against the true foot: {rms_mm:.3f} mm RMS, {median_mm:.3f} mm median",
-        f"look at {results / 'preview.png'}; the points are in {results / 'points.ply'}",
+        f"look at {results / 'report.png'} and {results / 'preview.png'}; the foot is in {results / 'surface.stl'}",
     ]

@@ -54,6 +54,14 @@ def test_heel_breadth_is_the_width_at_16_percent(in_frame, measured):
     assert measured["heel_breadth"].value == pytest.approx(np.ptp(low[:, 1]), abs=1e-6)
 
 
+def test_midfoot_breadth_is_the_width_at_half_the_length(in_frame, measured):
+    length = measured["foot_length"].value
+    points = cut(in_frame, 0.5 * length * ACROSS, ACROSS)
+    low = points[points[:, 2] < 0.16 * length]
+
+    assert measured["midfoot_breadth"].value == pytest.approx(np.ptp(low[:, 1]), abs=1e-6)
+
+
 def test_instep_height_and_girth_are_those_at_half_the_length(in_frame, measured):
     points = cut(in_frame, 0.5 * measured["foot_length"].value * ACROSS, ACROSS)
 
