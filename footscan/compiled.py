@@ -3,13 +3,19 @@
 Nothing is compiled at import. `announce_compilation` tells a person why the first run takes longer.
 """
 
+import hashlib
+import os
+import shutil
+import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from numba.core import event
+from platformdirs import user_cache_path
 
 Real = float | np.floating[Any]
 """A number inside a compiled loop, of whatever width."""
@@ -21,6 +27,36 @@ AnyFunction = TypeVar("AnyFunction", bound=Callable[..., object])
 
 
 _FASTMATH = {"contract"}  # fused multiply-add only: NaN must keep its meaning
+
+
+def _sources_digest() -> str:
+    """Names, sizes and times of all sources: Numba alone would miss a change in what a cached function calls."""
+    root = Path(__file__).parent
+    stats = sorted((str(path.relative_to(root)), path.stat()) for path in root.rglob("*.py"))
+    text = "".join(f"{name} {stat.st_size} {stat.st_mtime_ns}\n" for name, stat in stats)
+    return hashlib.sha256(f"{root}\n{text}".encode()).hexdigest()[:16]
+
+
+def _use_own_cache() -> None:
+    """Keep machine code in a folder of this very version of the sources, and forget those unused for a month."""
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        return
+    caches = user_cache_path("footscan") / "compiled"
+    own = caches / _sources_digest()
+    try:
+        own.mkdir(parents=True, exist_ok=True)
+        os.utime(own)
+        for other in caches.iterdir():
+            if time.time() - other.stat().st_mtime > _FORGET_AFTER_S:
+                shutil.rmtree(other, ignore_errors=True)
+    except OSError:
+        return  # no cache folder of our own: Numba then keeps its cache beside the sources, as by default
+    settings: Any = numba.config
+    settings.CACHE_DIR = str(own)
+
+
+_FORGET_AFTER_S = 30 * 86400.0
+_use_own_cache()
 
 
 def compiled(function: AnyFunction) -> AnyFunction:

@@ -11,8 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from footscan.compiled import announce_compilation
 from footscan.scanning.sweep import Progress as ProgressCallback
 
-STDERR = Console(stderr=True, highlight=False)
-STDOUT = Console(highlight=False)
+STDERR = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
+STDOUT = Console(highlight=False, markup=False, soft_wrap=True)
 
 
 @contextmanager

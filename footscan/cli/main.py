@@ -36,9 +36,6 @@ def run() -> None:
     except FootscanError as err:
         print(f"footscan: {err}", file=sys.stderr)
         sys.exit(err.exit_status)
-    except KeyboardInterrupt:
-        print("footscan: stopped; what was written before is complete.", file=sys.stderr)
-        sys.exit(130)
     except Exception as err:  # noqa: BLE001  the last line of defence: nobody should have to read a traceback
         if os.environ.get("FOOTSCAN_DEBUG"):
             traceback.print_exc()

@@ -25,6 +25,8 @@ def _unit(normal: tuple[float, float, float]) -> tuple[float, float, float]:
     length = math.sqrt(sum(x * x for x in normal))
     if abs(length - 1.0) > _UNIT_TOLERANCE:
         raise ValueError(f"a normal must have length 1 (to 1e-6), found {length:.8g}")
+    if abs(length - 1.0) < 1e-12:
+        return normal
     x, y, z = normal
     return (x / length, y / length, z / length)
 

@@ -106,14 +106,23 @@ def write_whole(path: Path, content: bytes) -> None:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
-        temporary.chmod(0o644)
+        temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
-    except OSError as err:
+    except BaseException as err:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+        if not isinstance(err, OSError):
+            raise
         raise StorageError(
             f"{path} could not be written ({err.strerror}); free space or choose another place."
         ) from err
+
+
+def _umask() -> int:
+    """The permissions this process withholds from new files."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
 
 
 def toml_bytes(table: Table) -> bytes:

@@ -13,7 +13,7 @@ _DIMENSIONS = 3
 def label_bodies(xyz: Floats, cell: float) -> tuple[Ints, Floats]:
     """Which connected body each of `(n, 3)` points belongs to, and its distance to the largest one.
 
-    Cells are connected to all 26 neighbours over one empty cell.
+    Cells are connected to all 26 neighbours, over gaps of up to two empty cells.
 
     Returns:
         `(n,)` labels (the largest body is 0) and `(n,)` distances to the largest body, in the unit of `cell`.
@@ -31,5 +31,6 @@ def label_bodies(xyz: Floats, cell: float) -> tuple[Ints, Floats]:
     rank[order] = np.arange(len(order))
     if len(np.unique(body)) == 1:
         return np.zeros(len(xyz), dtype=np.int64), np.zeros(len(xyz))
-    outside = image.distance_transform_edt(np.asarray(bodies) != order[0], sampling=cell)
+    largest = grid & (np.asarray(bodies) == order[0])
+    outside = image.distance_transform_edt(~largest, sampling=cell)
     return rank[body], np.asarray(outside, dtype=np.float64)[place]

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass, field
+from typing import cast
 
 import numpy as np
 
@@ -84,4 +85,15 @@ def fingerprint(calibration: Calibration) -> str:
     content = asdict(calibration)
     for key in ("created", "scanner", "machine_id"):
         del content[key]
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    return hashlib.sha256(json.dumps(_rounded(content), sort_keys=True).encode()).hexdigest()
+
+
+def _rounded(value: object) -> object:
+    """Numbers to 11 significant digits: a calibration keeps its fingerprint when it goes through its file."""
+    if isinstance(value, float):
+        return f"{value:.10e}"
+    if isinstance(value, dict):
+        return {key: _rounded(part) for key, part in cast("dict[str, object]", value).items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(part) for part in cast("list[object]", value)]
+    return value

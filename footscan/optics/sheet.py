@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from footscan.coordinates import Floats, LaserName
-from footscan.geometry.plane import Plane
 from footscan.geometry.rigid import rigid
 
 
@@ -58,7 +57,3 @@ def camera_from_ray(ray_camera: Floats, focal_length_mm: float, plane: tuple[flo
         reach = -(a * focal_length_mm + d) / slope
     reach = np.where(np.isfinite(reach) & (reach > 0.0), reach, np.nan)
     return np.array([focal_length_mm, 0.0, 0.0]) + reach[..., None] * ray_camera
-
-
-Floor = Plane
-"""The footboard's surface in W."""

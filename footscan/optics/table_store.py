@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,7 @@ def load_tables(path: Path, calibration: Calibration) -> dict[LaserName, LightTa
         with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as content:
             kind, made_for = str(content["format"]), str(content["calibration_sha256"])
             arrays = {name: content[name] for name in LASER_NAMES}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as err:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as err:
         raise InputError(f"{path} holds no complete calibration tables ({err}); build them again.") from err
     if kind != _FORMAT:
         raise InputError(f"{path} has format {kind!r}, allowed is {_FORMAT!r}; build the tables again.")

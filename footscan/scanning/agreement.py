@@ -7,7 +7,7 @@ import numpy as np
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.geometry.nearest import PointTree
 from footscan.scanning.cloud import Cloud
-from footscan.scanning.zones import ZONES, zone_of_points
+from footscan.scanning.zones import ZONES, direction_from_core, zone_of_points
 
 _REACH_MM = 4.0
 _MERGE_REACH_MM = 3.0
@@ -50,26 +50,27 @@ def find_overlap(cloud: Cloud) -> Overlap:
     right, left = np.flatnonzero(cloud.laser == 0), np.flatnonzero(cloud.laser == 1)
     if len(right) < _NEIGHBOURS or len(left) < _NEIGHBOURS:
         return Overlap(np.empty(0, np.int64), np.empty(0), np.empty(0))
-    one, two = _beside(cloud.xyz_world, right, left), _beside(cloud.xyz_world, left, right)
+    from_core = direction_from_core(cloud.xyz_world)
+    one, two = (_beside(cloud.xyz_world, from_core, *pair) for pair in ((right, left), (left, right)))
     distance = np.concatenate([one.distance_mm, -two.distance_mm])
     # every point was used from its own side: an area seen by both is counted by each, hence the half
     area = 0.5 * np.concatenate([one.area_mm2, two.area_mm2])
     return Overlap(np.concatenate([one.index, two.index]), distance, area)
 
 
-def _beside(xyz_world: Floats, own: Ints, other: Ints) -> Overlap:
+def _beside(xyz_world: Floats, from_core: Floats, own: Ints, other: Ints) -> Overlap:
     used = own[::_EVERY]
     xyz, xyz_other = xyz_world[used], xyz_world[other]
     reach, index = PointTree(xyz_other).nearest(xyz, _NEIGHBOURS, _REACH_MM)
     found = np.isfinite(reach)
     some = found.sum(axis=1) >= _FEWEST
     near = xyz_other[np.where(found[some], index[some], 0)]
-    distance_mm, good = _plane_distance(xyz[some], near, found[some])
+    distance_mm, good = _plane_distance(xyz[some], near, found[some], from_core[used[some]])
     own_reach = PointTree(xyz_world[own]).nearest(xyz[some][good], 9)[0][:, -1]
     return Overlap(used[some][good], distance_mm[good], _EVERY * np.pi * own_reach**2 / 8.0)
 
 
-def _plane_distance(xyz: Floats, near: Floats, found: Bools) -> tuple[Floats, Bools]:
+def _plane_distance(xyz: Floats, near: Floats, found: Bools, from_core: Floats) -> tuple[Floats, Bools]:
     """Signed distances `(n,)` to the planes of `(n, k, 3)` neighbours, outward positive, and which can be trusted:
     neighbours that are flat, spread both ways, and surround the point."""
     share = found / found.sum(axis=1, keepdims=True)
@@ -78,7 +79,7 @@ def _plane_distance(xyz: Floats, near: Floats, found: Bools) -> tuple[Floats, Bo
     covariance = np.einsum("nk,nkd,nke->nde", share, offset, offset)
     spread, axes = np.linalg.eigh(covariance)
     normal = axes[:, :, 0]
-    outward = np.sign(np.sum(normal[:, :2] * xyz[:, :2], axis=1) + 1e-9)
+    outward = np.sign(np.sum(normal * from_core, axis=1) + 1e-12)
     height = np.sum((xyz - centre) * normal, axis=1)
     beside = np.linalg.norm(xyz - centre - height[:, None] * normal, axis=1)
     good = (spread[:, 0] < _FLAT_MM**2) & (spread[:, 1] > _SPREAD_MM2) & (beside < _BESIDE_MM)

@@ -25,15 +25,19 @@ _OFF_SURFACE_MM = 0.6
 _OFF_SURFACE_SCALES = 5.0
 
 
-def clean_cloud(cloud: Cloud, floor: Plane) -> tuple[Cloud, Counter[str]]:
+def clean_cloud(cloud: Cloud, *boards: Plane) -> tuple[Cloud, Counter[str]]:
     """Keep the points of the foot (or of the object that stands on the board).
+
+    Args:
+        cloud: All points of the scan.
+        boards: The calibrated floor, and the visible board where it lies elsewhere: a point must be above all of them.
 
     Returns:
         The cleaned cloud, and how many points were removed for which reason.
     """
     removed: Counter[str] = Counter()
     for reason, test in (
-        ("footboard", lambda c: height_above(floor, c.xyz_world) > BOARD_MARGIN_MM),
+        ("footboard", lambda c: _above(c.xyz_world, boards)),
         ("other body", lambda c: _main_body(c.xyz_world)),
         ("off the surface", lambda c: _on_surface(c.xyz_world)),
     ):
@@ -43,6 +47,11 @@ def clean_cloud(cloud: Cloud, floor: Plane) -> tuple[Cloud, Counter[str]]:
         removed[reason] += int(len(keep) - keep.sum())
         cloud = cloud.where(keep)
     return cloud, removed
+
+
+def _above(xyz_world: Floats, boards: tuple[Plane, ...]) -> Bools:
+    heights = [height_above(board, xyz_world) for board in boards]
+    return np.min(heights, axis=0) > BOARD_MARGIN_MM
 
 
 def _main_body(xyz_world: Floats) -> Bools:

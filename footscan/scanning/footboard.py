@@ -12,8 +12,10 @@ BOARD_MARGIN_MM = 2.0
 """Points lower than this above the floor are the board, or light that runs from the skin on to the board."""
 LARGEST_OFFSET_MM = 0.3
 LARGEST_TILT_DEG = 0.1
-_VISIBLE_BOARD_MM = 3.0
+_SEARCH_MM = 15.0
+_LAYER_MM = 3.0
 _FEWEST_POINTS = 500
+_NARROWEST_MM = 20.0
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,7 @@ class BoardCheck:
         offset_mm: Height of the visible board above the calibrated floor at the axis.
         tilt_deg: Angle between them.
         rms_mm: Residual of the board points to their own plane.
+        plane: The visible board.
         remark: A sentence when a limit is exceeded or the check was impossible, else empty.
     """
 
@@ -32,6 +35,7 @@ class BoardCheck:
     offset_mm: float | None
     tilt_deg: float | None
     rms_mm: float | None
+    plane: Plane | None
     remark: str
 
 
@@ -41,21 +45,37 @@ def height_above(floor: Plane, xyz_world: Floats) -> Floats:
 
 
 def check_board(cloud: Cloud, floor: Plane) -> BoardCheck:
-    """Fit the board where it is seen beside the foot, twice (the second time without outliers), and compare."""
+    """Find the board beside the foot, wherever it is within 15 mm of the calibrated floor, and compare them."""
     height = height_above(floor, cloud.xyz_world)
-    board = cloud.xyz_world[np.abs(height) < _VISIBLE_BOARD_MM]
-    away = board[_far_from_foot(board, cloud.xyz_world[height > _VISIBLE_BOARD_MM])]
-    if len(away) < _FEWEST_POINTS or np.linalg.svd(away[:, :2] - away[:, :2].mean(0), compute_uv=False)[1] < 100.0:
-        return BoardCheck(len(away), None, None, None, "too little of the footboard was seen to check it")
+    board = cloud.xyz_world[np.abs(height) < _SEARCH_MM]
+    away = board[_far_from_foot(board, cloud.xyz_world[height > _SEARCH_MM])]
+    away = _densest_layer(away, floor)
+    if len(away) < _FEWEST_POINTS or _narrow_extent_mm(away[:, :2]) < _NARROWEST_MM:
+        return BoardCheck(len(away), None, None, None, None, "too little of the footboard was seen to check it")
     plane = fit_plane(away)
     residual = plane.distance_mm(away)
     plane = fit_plane(away[np.abs(residual) <= 3.0 * np.median(np.abs(residual)) + 0.02])
     # height of the plane over the axis, above the floor there
     n, f = plane.normal_array, floor.normal_array
-    offset_mm = plane.offset_mm / n[2] - floor.offset_mm / f[2]
+    offset_mm = float(plane.offset_mm / n[2] - floor.offset_mm / f[2])
     tilt_deg = float(np.degrees(np.arccos(min(1.0, float(n @ f)))))
     rms_mm = float(np.sqrt(np.mean(plane.distance_mm(away) ** 2)))
-    return BoardCheck(len(away), float(offset_mm), tilt_deg, rms_mm, _remark(float(offset_mm), tilt_deg))
+    return BoardCheck(len(away), offset_mm, tilt_deg, rms_mm, plane, _remark(offset_mm, tilt_deg))
+
+
+def _densest_layer(board: Floats, floor: Plane) -> Floats:
+    """The points within 3 mm of the height at which most of them lie."""
+    if not len(board):
+        return board
+    height = height_above(floor, board)
+    count, edges = np.histogram(height, bins=60, range=(-_SEARCH_MM, _SEARCH_MM))
+    middle = 0.5 * float(edges[np.argmax(count)] + edges[np.argmax(count) + 1])
+    return board[np.abs(height - middle) < _LAYER_MM]
+
+
+def _narrow_extent_mm(xy: Floats) -> float:
+    """Standard deviation of `(n, 2)` places across the direction in which they spread least."""
+    return float(np.sqrt(np.linalg.eigvalsh(np.cov(xy.T))[0]))
 
 
 def _far_from_foot(board: Floats, foot: Floats) -> Bools:

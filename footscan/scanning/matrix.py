@@ -2,7 +2,9 @@
 
 import io
 import zipfile
+import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -95,12 +97,19 @@ def load_scan_matrix(path: Path, calibration_sha256: str) -> ScanMatrix:
     try:
         with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as content:
             stored = {name: content[name] for name in ("format", "calibration_sha256", "frame", "start", "point")}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as err:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as err:
         raise RecordingError(f"{path} is no complete scan matrix ({err}); process the recording again.") from err
     if str(stored["format"]) != _FORMAT:
         raise RecordingError(f"{path} has format {str(stored['format'])!r}, allowed is {_FORMAT!r}.")
     if str(stored["calibration_sha256"]) != calibration_sha256:
         raise StaleTableError(f"{path} was made with another calibration; process the recording again with this one.")
+    try:
+        return _rebuilt(stored, calibration_sha256)
+    except (ValueError, IndexError) as err:
+        raise RecordingError(f"{path} contradicts itself ({err}); process the recording again.") from err
+
+
+def _rebuilt(stored: dict[str, Any], calibration_sha256: str) -> ScanMatrix:
     matrix = ScanMatrix(calibration_sha256)
     for row, begin, end in zip(stored["frame"], stored["start"][:-1], stored["start"][1:], strict=True):
         part = stored["point"][begin:end]

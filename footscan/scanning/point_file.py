@@ -40,7 +40,8 @@ def load_points(path: Path) -> Cloud:
     except (OSError, ValueError) as err:
         raise InputError(f"{path} is no point cloud of footscan ({err}); process the recording again.") from err
     lines = head.decode("ascii", "replace").splitlines()
-    count = next((int(line.split()[2]) for line in lines if line.startswith("element vertex")), -1)
+    counts = [line.removeprefix("element vertex ") for line in lines if line.startswith("element vertex ")]
+    count = int(counts[0]) if counts and counts[0].isdecimal() else -1
     if [line for line in lines if line.startswith("property")] != list(_PROPERTIES) or len(
         body
     ) != count * _ROW.itemsize:

@@ -1,5 +1,6 @@
-"""Writing a recording: every frame is on disk before its row is, so that a cut leaves whole frames only."""
+"""Writing a recording: a frame is written before its row is, so a killed program leaves rows of whole frames only."""
 
+import contextlib
 import hashlib
 import os
 from pathlib import Path
@@ -50,7 +51,14 @@ class RecordingWriter:
         return stream
 
     def add_frame(self, frame: Frame, time_s: float, laser: FrameLaser, sweep: FrameSweep, setup: str = "") -> None:
-        """Store one upright frame `(height, width)` uint8, taken at `time_s`."""
+        """Store one upright frame `(height, width)` uint8, taken at `time_s`.
+
+        Raises:
+            ValueError: `setup` holds a comma, a quote or a line break.
+            StorageError: The disk is full.
+        """
+        if any(mark in setup for mark in ',"\r\n'):
+            raise ValueError(f"a setup is a plain word, found {setup!r}")
         file = f"frames/{self._count:06d}.png"
         encoded = cv2.imencode(".png", frame, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1]
         try:
@@ -70,8 +78,11 @@ class RecordingWriter:
 
     def close(self) -> None:
         """Finish the tables and write the checksums of everything; safe to call twice."""
-        if self._frames.closed:
-            return
+        if not self._frames.closed:
+            self._close_tables()
+            write_whole(self._folder / MANIFEST, manifest_of(self._folder).encode())
+
+    def _close_tables(self) -> None:
         try:
             for stream in (self._frames, self._encoder):
                 stream.flush()
@@ -79,7 +90,6 @@ class RecordingWriter:
                 stream.close()
         except OSError as err:
             raise _full(self._folder, err) from err
-        write_whole(self._folder / MANIFEST, manifest_of(self._folder).encode())
 
     def __enter__(self) -> "RecordingWriter":
         return self
@@ -87,7 +97,11 @@ class RecordingWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        if error is None:
+            self.close()
+        elif not self._frames.closed:  # broken off: readable, but without the checksums of a finished recording
+            with contextlib.suppress(StorageError):
+                self._close_tables()
 
 
 def _full(folder: Path, err: OSError) -> StorageError:

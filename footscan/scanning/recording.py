@@ -77,24 +77,27 @@ def open_recording(folder: Path | str) -> Recording:
     return Recording(folder, info, scanner, frames, encoder, board)
 
 
-def _rows(path: Path, columns: tuple[str, ...]) -> list[list[str]]:
+def _rows(path: Path, columns: tuple[str, ...]) -> list[tuple[int, list[str]]]:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise RecordingError(f"{path} is missing; the recording is incomplete, copy it again.") from None
     except (OSError, UnicodeDecodeError) as err:
         raise RecordingError(f"{path} cannot be read ({err}); copy the recording again.") from err
-    rows = list(csv.reader(io.StringIO(text)))
-    if not rows or tuple(rows[0]) != columns:
-        found = ",".join(rows[0]) if rows else "nothing"
+    reader = csv.reader(io.StringIO(text.removeprefix("\ufeff")))
+    try:
+        rows = [(reader.line_num, row) for row in reader if row]
+    except csv.Error as err:
+        raise RecordingError(f"{path} line {reader.line_num} is no CSV ({err}); copy the recording again.") from err
+    if not rows or tuple(rows[0][1]) != columns:
+        found = ",".join(rows[0][1]) if rows else "nothing"
         raise RecordingError(f"{path}: the first line is {found!r}, it must be {','.join(columns)!r}.")
-    body = [row for row in rows[1:] if row]
-    if not body:
+    if len(rows) == 1:
         raise RecordingError(f"{path} has no rows; the recording is empty, scan again.")
-    for number, row in enumerate(body, start=2):
+    for line, row in rows[1:]:
         if len(row) != len(columns):
-            raise RecordingError(f"{path} line {number} has {len(row)} of {len(columns)} values: the file was cut.")
-    return body
+            raise RecordingError(f"{path} line {line} has {len(row)} of {len(columns)} values: the file was cut.")
+    return rows[1:]
 
 
 def _number(path: Path, line: int, name: str, text: str) -> float:
@@ -110,7 +113,7 @@ def _number(path: Path, line: int, name: str, text: str) -> float:
 def _load_frames(path: Path) -> tuple[FrameRecord, ...]:
     records: list[FrameRecord] = []
     seen: set[str] = set()
-    for line, row in enumerate(_rows(path, FRAME_COLUMNS), start=2):
+    for line, row in _rows(path, FRAME_COLUMNS):
         number, file, time_s, laser, sweep, setup = row
         if laser not in ("none", "right", "left"):
             raise RecordingError(f"{path} line {line}: laser is {laser!r}, allowed are none, right, left.")
@@ -131,11 +134,11 @@ def _load_frames(path: Path) -> tuple[FrameRecord, ...]:
 
 def _load_encoder(path: Path) -> EncoderTrack:
     rows = _rows(path, ENCODER_COLUMNS)
-    values = [(_number(path, i, "time_s", t), _number(path, i, "count", c)) for i, (t, c) in enumerate(rows, start=2)]
+    values = [(_number(path, i, "time_s", t), _number(path, i, "count", c)) for i, (t, c) in rows]
     table = np.array(values)
     back = np.flatnonzero(np.diff(table[:, 0]) < 0.0)
     if len(back):
-        line, before, after = int(back[0]) + 3, table[back[0], 0], table[back[0] + 1, 0]
+        line, before, after = rows[back[0] + 1][0], table[back[0], 0], table[back[0] + 1, 0]
         raise RecordingError(f"{path} line {line}: time goes back from {before:.6f} to {after:.6f} s; record again.")
     return EncoderTrack(table[:, 0].copy(), table[:, 1].copy())
 

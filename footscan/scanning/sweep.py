@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import islice
 
 import numpy as np
@@ -17,7 +18,7 @@ from footscan.coordinates import LASER_NAMES, Bools, Floats, Frame, Ints, LaserN
 from footscan.errors import EmptyScanError, InputError
 from footscan.optics.calibration import Calibration
 from footscan.optics.tables import LightTable
-from footscan.scanning.angles import frame_angles, refuse_silent_encoder
+from footscan.scanning.angles import FrameAngles, frame_angles, refuse_silent_encoder
 from footscan.scanning.filters import FilterSettings, filtered
 from footscan.scanning.frames import UnusableFrameError, read_frame
 from footscan.scanning.matrix import ScanMatrix
@@ -29,6 +30,8 @@ from footscan.scanning.stripe.threshold import threshold_from_histogram
 Progress = Callable[[int, int], None]
 _THRESHOLD_FRAMES = 48
 _AHEAD = 16
+_FEWEST_STEPS = 8
+_STILL_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,7 @@ def sweep_frames(
     time_s = np.array([record.time_s for record in lit])
     _refuse_silence(lit, time_s, recording, calibration)
     angles = frame_angles(time_s, calibration.latency_s, recording.encoder, calibration.encoder)
-    lit_ok = _usable(lit, time_s, angles.known, accounting)
+    lit_ok = _usable(lit, time_s, angles, accounting)
     jobs = [(lit[i], float(angles.theta_rad[i])) for i in lit_ok]
     unlit = _unlit_frames(recording, settings.picture_filter)
     threshold = (
@@ -125,29 +128,61 @@ def _refuse_silence(lit: list[FrameRecord], time_s: Floats, recording: Recording
             refuse_silent_encoder(time_s[moving], recording.encoder, calibration.latency_s)
 
 
-def _usable(lit: list[FrameRecord], time_s: Floats, known: Bools, accounting: Accounting) -> Ints:
-    latest = np.maximum.accumulate(time_s)
-    for i in np.flatnonzero(time_s < latest):
-        accounting.reject("time goes back", f"frame {lit[i].frame}: {time_s[i]:.6f} s after {latest[i]:.6f} s")
-    forward = time_s >= latest
-    for i in np.flatnonzero(forward & ~known):
+def _usable(lit: list[FrameRecord], time_s: Floats, angles: FrameAngles, accounting: Accounting) -> Ints:
+    """Indices of the frames whose angle can be trusted; the others are rejected by name."""
+    latest = np.maximum.accumulate(np.where(angles.known, time_s, -np.inf))
+    backward, silent = angles.known & (time_s < latest), silent_frames(lit, time_s, angles)
+    for i in np.flatnonzero(~angles.known):
         accounting.reject("no encoder sample near", f"frame {lit[i].frame} at {time_s[i]:.3f} s")
-    return np.flatnonzero(forward & known)
+    for i in np.flatnonzero(backward):
+        accounting.reject("time goes back", f"frame {lit[i].frame}: {time_s[i]:.6f} s after {latest[i]:.6f} s")
+    for i in np.flatnonzero(silent & ~backward):
+        accounting.reject("encoder silent", f"frame {lit[i].frame}: the count stood still in the middle of a sweep")
+    return np.flatnonzero(angles.known & ~backward & ~silent)
+
+
+def silent_frames(lit: list[FrameRecord], time_s: Floats, angles: FrameAngles) -> Bools:
+    """Which frames lie where the angle stands still in the middle of a moving sweep: the encoder fell silent.
+
+    Rest before the first and after the last motion of a sweep is no fault.
+    """
+    silent = np.zeros(len(lit), dtype=np.bool_)
+    for sweep in ("ccw", "cw"):
+        own = np.flatnonzero(angles.known & np.array([record.sweep == sweep for record in lit]))
+        own = own[np.argsort(time_s[own], kind="stable")]
+        step = np.abs(np.diff(angles.theta_rad[own]))
+        if len(step) < _FEWEST_STEPS:
+            continue
+        moving = step > _STILL_SHARE * float(np.median(step))
+        if moving.any():
+            first, after = int(np.argmax(moving)), len(moving) - int(np.argmax(moving[::-1]))
+            still = np.flatnonzero(~moving[first:after]) + first
+            silent[own[still]] = True
+            silent[own[still + 1]] = True
+    return silent
 
 
 class _Unlit:
-    """Nearest unlit frame in time; pictures are read when first needed."""
+    """The usable unlit frame nearest in time; a few stay in memory."""
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
         self._records = [record for record in recording.frames if record.laser == "none"]
         self._time_s = np.array([record.time_s for record in self._records])
-        if not self._records:
+        self._read = lru_cache(maxsize=4)(self._read_one)
+        if not any(self._read(index) is not None for index in range(len(self._records))):
             raise InputError("the filter subtracts an unlit frame, but the recording has none; choose another filter.")
 
+    def _read_one(self, index: int) -> Frame | None:
+        try:
+            return read_frame(self._recording.path(self._records[index]), self._recording.scanner.camera)
+        except UnusableFrameError:
+            return None
+
     def near(self, time_s: float) -> Frame:
-        record = self._records[int(np.argmin(np.abs(self._time_s - time_s)))]
-        return read_frame(self._recording.path(record), self._recording.scanner.camera)
+        """The nearest one that can be read; the constructor made sure that there is one."""
+        order = np.argsort(np.abs(self._time_s - time_s), kind="stable")
+        return next(frame for index in order if (frame := self._read(int(index))) is not None)
 
 
 def _unlit_frames(recording: Recording, settings: FilterSettings) -> _Unlit | None:

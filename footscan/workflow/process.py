@@ -5,13 +5,13 @@ import time
 from collections import Counter
 from collections.abc import Generator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 import footscan
-from footscan.config.recording_file import Load
+from footscan.config.recording_file import Load, Subject
 from footscan.config.recording_file import Surface as CoverKind
 from footscan.coordinates import LASER_NAMES, LaserName, Side
 from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
@@ -124,7 +124,8 @@ def process_recording(
     with stages.stage("board"):
         board = check_board(whole, calibration.floor)
     with stages.stage("clean"):
-        cloud, removed = clean_cloud(whole, calibration.floor)
+        visible = () if board.plane is None else (board.plane,)
+        cloud, removed = clean_cloud(whole, calibration.floor, *visible)
     if len(cloud) < FEWEST_POINTS:
         raise EmptyScanError(
             f"{len(cloud)} points are left of {len(whole)} stripe points, at least {FEWEST_POINTS} make an object; "
@@ -179,6 +180,12 @@ def points_per_laser(sweep: SweepResult) -> dict[LaserName, int]:
     return {name: int(matrix.points_per_frame[matrix.laser == code].sum()) for code, name in enumerate(LASER_NAMES)}
 
 
+def known_subject(result: ScanResult, settings: ProcessSettings) -> Subject:
+    """What is known of the person: the recording's word, overruled by what was given with the command."""
+    stored = result.recording.info.subject
+    return replace(stored, load=settings.load or stored.load, surface=settings.surface or stored.surface)
+
+
 def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]:
     """The content of scan.json (`footscan-scan/1`)."""
     accounting, board = result.sweep.accounting, result.board
@@ -186,7 +193,7 @@ def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]
         "format": "footscan-scan/1",
         "recording": str(result.recording.folder),
         "side": settings.side or result.recording.info.side,
-        "subject": asdict(result.recording.info.subject),
+        "subject": asdict(known_subject(result, settings)),
         "object": settings.kind,
         "frames": {"seen": accounting.seen, "used": accounting.used, "rejected": dict(accounting.rejected)},
         "rejected_frames": accounting.details,

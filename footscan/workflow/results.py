@@ -1,17 +1,19 @@
 """What a processed scan leaves in its folder; every file is there whole or not at all."""
 
 import json
-from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
-from footscan.errors import EmptyScanError, FootscanError, MeshError
+from footscan.errors import EmptyScanError, FootscanError, MeshError, StorageError
 from footscan.scanning.point_file import save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
-from footscan.workflow.process import ProcessSettings, ScanResult, Stages, scan_report
+from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report
+
+FOOT_FILES = ("surface.stl", "surface.ply", "surface.json", "measurements.json", "report.png")
+RESULT_FILES = ("points.ply", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
 
 
 def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) -> dict[str, Any]:
@@ -24,6 +26,7 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
         StorageError: The folder cannot be written; files written before stay whole.
         MeshError: The points are no foot that can be measured; points, pictures and scan.json are there all the same.
     """
+    _remove_old(folder)
     stages = Stages()
     with stages.stage("points.ply"):
         save_points(result.cloud, folder / "points.ply", "footscan, mm, world coordinates, laser 0 right 1 left")
@@ -40,16 +43,22 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     return report
 
 
+def _remove_old(folder: Path) -> None:
+    """Take away what an earlier run left here: results of two scans must never lie side by side."""
+    try:
+        for name in RESULT_FILES:
+            (folder / name).unlink(missing_ok=True)
+    except OSError as err:
+        raise StorageError(f"{folder} cannot be used for results ({err.strerror}); choose another place.") from err
+
+
 def _add_foot(
     result: ScanResult, settings: ProcessSettings, folder: Path, report: dict[str, Any], stages: Stages
 ) -> FootscanError | None:
     """Fit, measure and save the foot; a refusal is noted in the report and returned."""
     info = result.recording.info
     side: Side | None = settings.side or (None if info.side == "none" else info.side)
-    subject = replace(
-        info.subject, load=settings.load or info.subject.load, surface=settings.surface or info.subject.surface
-    )
-    report["subject"] = asdict(subject)
+    subject = known_subject(result, settings)
     try:
         with stages.stage("surface and measurements"):
             foot = measure_scan(result.cloud, side, subject)

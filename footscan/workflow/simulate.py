@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from footscan.config import load_calibration
+from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
 from footscan.optics.scanner import Scanner
 from footscan.scanning.recording import open_recording
@@ -69,9 +70,10 @@ def run_demo(scanner: Scanner, seed: int, folder: Path, progress: Progress, fram
     recording, results = folder / "recording", folder / "results"
     if (folder / DEMO_MARK).is_file():
         shutil.rmtree(recording, ignore_errors=True)
+    elif not recording.exists():
+        write_whole(folder / DEMO_MARK, b"made by footscan demo; replaced by the next one\n")
     settings = SimulateSettings("foot", side="left", seed=seed, frames_per_sweep=frames_per_sweep)
     surface = simulate_scan(scanner, settings, recording, progress)
-    (folder / DEMO_MARK).write_text("made by footscan demo; replaced by the next one\n", encoding="utf-8")
     process = ProcessSettings()
     calibration = load_calibration(recording / "truth-calibration.toml")
     result = process_recording(open_recording(recording), calibration, process)

@@ -82,9 +82,9 @@ def test_a_mistake_in_a_calibration_is_named_with_file_and_key(calibration_path,
         assert word in str(caught.value)
 
 
-def test_a_normal_that_is_no_unit_vector_is_refused(tmp_path, shared_dir):
-    text = (shared_dir / "data/recordings/foot-left-ideal/truth-calibration.toml").read_text()
-    (tmp_path / "cal.toml").write_text(text.replace("-0.7071067811865475", "-0.8", 1))
+def test_a_normal_that_is_no_unit_vector_is_refused(tmp_path, ideal):
+    save_calibration(ideal, tmp_path / "cal.toml")
+    replaced(tmp_path / "cal.toml", "-0.707106781186547", "-0.8")
 
     with pytest.raises(ConfigError, match="length 1"):
         load_calibration(tmp_path / "cal.toml")

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from footscan.config import load_calibration, save_calibration
 from footscan.optics.calibration import (
     EncoderScale,
     camera_from_world,
@@ -28,6 +29,7 @@ from footscan.optics.sheet import (
     plane_in_camera,
     world_from_light,
 )
+from footscan.sim.machine import workshop_machine
 
 ANGLE = st.floats(-3.1, 3.1)
 TILT = st.floats(-0.6, 0.6)
@@ -123,3 +125,14 @@ def test_the_fingerprint_follows_every_number_and_no_name(workshop):
 
     assert fingerprint(renamed) == fingerprint(workshop)
     assert fingerprint(moved) != fingerprint(workshop)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_fingerprint_survives_the_calibrations_file(prototype, tmp_path, seed):
+    machine = workshop_machine(prototype, seed).calibration
+    save_calibration(machine, tmp_path / "a.toml")
+    again = load_calibration(tmp_path / "a.toml")
+    save_calibration(again, tmp_path / "b.toml")
+
+    assert fingerprint(again) == fingerprint(machine)
+    assert fingerprint(load_calibration(tmp_path / "b.toml")) == fingerprint(machine)

@@ -10,7 +10,7 @@ from footscan.scanning.cleaning import clean_cloud
 from footscan.scanning.cloud import Cloud
 from footscan.scanning.footboard import check_board
 from footscan.scanning.point_file import load_points, save_points
-from footscan.scanning.zones import ZONES, zone_of_points
+from footscan.scanning.zones import ZONES, direction_from_core, zone_of_points
 
 FLOOR = Plane((0.0, 0.0, 1.0), 0.0)
 
@@ -87,6 +87,16 @@ def test_the_disagreement_of_the_lasers_is_measured_with_its_sign(rng, shift_mm)
 
     assert np.median(overlap.distance_mm[side & flank]) == pytest.approx(shift_mm, abs=0.05)
     assert {zone.zone for zone in agreement_by_zone(both, overlap)} == set(ZONES)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (10.0, 70.0), (-60.0, -50.0)])
+def test_outward_is_out_of_the_foot_wherever_it_stands(rng, shift):
+    xyz = dome(rng, 5000)
+    outward = np.column_stack([0.3 * xyz[:, 0] / 120, xyz[:, 1] / 40, (xyz[:, 2] - 3) / 50])
+    moved = xyz + np.array([*shift, 0.0])
+    agree = np.sum(direction_from_core(moved) * outward, axis=1) > 0.0
+
+    assert agree.mean() > 0.995
 
 
 def test_a_laser_alone_has_no_overlap(rng):

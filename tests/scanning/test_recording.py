@@ -46,6 +46,29 @@ def test_what_was_written_before_a_power_cut_can_be_read(tmp_path, prototype, fr
     writer.close()
 
 
+def test_a_recording_that_broke_off_is_readable_but_not_called_finished(tmp_path, prototype, frame):
+    with (
+        pytest.raises(RuntimeError, match="stop"),
+        RecordingWriter(tmp_path / "r", INFO, scanner_toml(prototype)) as writer,
+    ):
+        writer.add_counts(np.array([0.0, 0.1]), np.array([5, 9]))
+        writer.add_frame(frame, 0.05, "right", "ccw")
+        raise RuntimeError("stop")
+
+    assert len(open_recording(tmp_path / "r").frames) == 1
+    assert not (tmp_path / "r" / MANIFEST).exists()
+
+
+def test_a_setup_that_would_break_the_table_is_refused(tmp_path, prototype, frame):
+    with RecordingWriter(tmp_path / "r", INFO, scanner_toml(prototype)) as writer:
+        with pytest.raises(ValueError, match="plain word"):
+            writer.add_frame(frame, 0.05, "right", "ccw", "a,b")
+        writer.add_frame(frame, 0.05, "right", "ccw", "a")
+        writer.add_counts(np.array([0.0]), np.array([5]))
+
+    assert len(open_recording(tmp_path / "r").frames) == 1
+
+
 def test_a_recording_is_never_overwritten(tmp_path, prototype):
     RecordingWriter(tmp_path / "r", INFO, scanner_toml(prototype)).close()
 

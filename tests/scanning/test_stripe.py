@@ -163,3 +163,14 @@ def test_stricter_rules_keep_fewer_points():
     strict = StripeFinder(StripeSettings(sigma_px=(0.4, 1.5))).find(line.frame, THRESHOLD)
 
     assert len(strict) < 0.2 * len(find_stripe(line.frame, THRESHOLD))
+
+
+def test_a_frame_full_of_light_loses_no_row():
+    frame = np.full((60, 400), 5, np.uint8)
+    for column in range(6, 400, 12):
+        frame = np.maximum(frame, gaussian_line((60, 400), 0.0, (column + 0.2, 0.0), sigma=1.0))
+    wide = np.tile(frame, (30, 4))
+    stripe = find_stripe(wide, 40)
+
+    assert len(stripe) > 100 * 1700
+    assert stripe.uv[:, 1].max() > wide.shape[0] - 2

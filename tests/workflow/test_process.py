@@ -8,11 +8,13 @@ import trimesh
 
 from footscan.config import load_calibration
 from footscan.errors import EmptyScanError, FootscanError, InputError, MachineMismatchError, RecordingError
+from footscan.scanning.angles import FrameAngles
 from footscan.scanning.filters import FilterSettings
+from footscan.scanning.footboard import height_above
 from footscan.scanning.matrix import load_scan_matrix
 from footscan.scanning.point_file import load_points
-from footscan.scanning.recording import open_recording
-from footscan.scanning.sweep import SweepSettings
+from footscan.scanning.recording import FrameRecord, open_recording
+from footscan.scanning.sweep import SweepSettings, silent_frames
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.machine import ideal_machine
 from footscan.sim.motion import SweepPlan
@@ -156,6 +158,55 @@ def test_a_silent_encoder_is_refused(scan_copy, workshop, edit_csv):
         processed(scan_copy, workshop)
 
 
+def test_frames_at_which_the_angle_stands_still_inside_a_sweep_are_found():
+    theta = np.concatenate(
+        [np.zeros(3), np.arange(1, 11) * 0.02, np.full(4, 0.2), 0.2 + np.arange(1, 11) * 0.02, [0.4] * 2]
+    )
+    records = [FrameRecord(i, str(i), float(i), "right", "ccw", "") for i in range(len(theta))]
+    silent = silent_frames(records, np.arange(len(theta), dtype=float), FrameAngles(theta, np.ones(len(theta), bool)))
+
+    assert np.flatnonzero(silent).tolist() == [12, 13, 14, 15, 16]
+
+
+def test_one_wild_time_stamp_costs_one_frame(scan_copy, workshop, edit_csv):
+    def wild(rows):
+        row = rows[20].split(",")
+        row[2] = "99999.0"
+        return [*rows[:20], ",".join(row), *rows[21:]]
+
+    edit_csv(scan_copy / "frames.csv", wild)
+
+    assert processed(scan_copy, workshop).sweep.accounting.rejected == {"no encoder sample near": 1}
+
+
+def test_a_damaged_unlit_frame_is_passed_over(scan_copy, workshop, edit_csv):
+    cv2.imwrite(str(scan_copy / "frames/dark.png"), np.full((500, 582), 4, np.uint8))
+    (scan_copy / "frames/bad.png").write_bytes(b"nothing")
+    rows = ["900,frames/bad.png,1.0,none,static,", "901,frames/dark.png,0.0,none,static,"]
+    edit_csv(scan_copy / "frames.csv", lambda old: [*rows, *old])
+    dark = processed(scan_copy, workshop, sweep=SweepSettings(picture_filter=FilterSettings("unlit")))
+
+    assert dark.sweep.accounting.used == 96
+
+
+def test_results_of_an_earlier_scan_never_stay_beside_new_ones(result, tmp_path):
+    save_results(result, ProcessSettings(), tmp_path / "out")
+    save_results(result, ProcessSettings(kind="last"), tmp_path / "out")
+
+    assert not (tmp_path / "out/measurements.json").exists()
+    assert not (tmp_path / "out/surface.stl").exists()
+    assert (tmp_path / "out/points.ply").is_file()
+
+
+def test_a_board_that_sank_or_rose_is_said_and_still_taken_out(small_scan, workshop):
+    for offset_mm in (-4.0, 4.0):
+        elsewhere = replace(workshop, floor=replace(workshop.floor, offset_mm=workshop.floor.offset_mm + offset_mm))
+        moved = processed(small_scan, elsewhere)
+        assert moved.board.offset_mm == pytest.approx(-offset_mm, abs=0.1)
+        assert "recalibrate" in moved.remarks[-1]
+        assert height_above(workshop.floor, moved.cloud.xyz_world).min() > 1.5
+
+
 def test_a_scan_of_one_laser_is_refused_unless_that_was_allowed(scan_copy, workshop, edit_csv):
     edit_csv(scan_copy / "frames.csv", lambda rows: [row for row in rows if "right" in row])
 
@@ -196,7 +247,8 @@ def test_an_empty_board_is_no_foot(tmp_path, prototype):
 def test_a_calibration_of_another_machine_is_refused(small_scan, workshop):
     with pytest.raises(MachineMismatchError, match="someone else"):
         processed(small_scan, replace(workshop, machine_id="someone else"))
-    assert processed(small_scan, replace(workshop, machine_id=None)).cloud is not None
+    unnamed = processed(small_scan, replace(workshop, machine_id=None))
+    assert len(unnamed.cloud) > 10000
 
 
 def test_a_calibration_of_another_picture_size_is_refused(small_scan, workshop):

@@ -86,7 +86,10 @@ class StripeFinder:
         capacity = 32 * (frame.shape[0] + frame.shape[1])
         if len(self._buffers[0]) < capacity:
             self._buffers = _buffers(capacity)
-        count = trace_stripe(frame, threshold, *self._constants, *self._buffers)
+        count, full = trace_stripe(frame, threshold, *self._constants, *self._buffers)
+        while full:
+            self._buffers = _buffers(2 * len(self._buffers[0]))
+            count, full = trace_stripe(frame, threshold, *self._constants, *self._buffers)
         own = self._buffers[3][:count].copy()
         return Stripe(own[:, 0:2], own[:, 2], own[:, 3], own[:, 4])
 

@@ -11,8 +11,6 @@ from footscan.scanning.stripe.ridge import add_border_points, find_ridge_points
 TRACE_COLUMNS = 5
 _FULL_PEAK = 160.0  # grey: a peak from which brightness no longer limits the accuracy
 _SHARP_PX = 2.0
-_STEADY = 60.0
-_END_WEIGHT = 1.0
 
 
 @compiled
@@ -27,8 +25,8 @@ def trace_stripe(
     ordered: Floats32,
     verdict: Floats32,
     traced: Floats,
-) -> int:
-    """Write the stripe points of a frame in row order; returns their number.
+) -> tuple[int, bool]:
+    """Write the stripe points of a frame in row order; returns their number, and whether a buffer was too small.
 
     Args:
         frame: `(height, width)` uint8, C order.
@@ -57,7 +55,7 @@ def trace_stripe(
             traced[kept, 2] = _weight(ordered[i], verdict[i], sigma_px, rules[2])
             traced[kept, 3], traced[kept, 4] = ordered[i, 2], sigma_px
             kept += 1
-    return kept
+    return kept, count == points.shape[0]
 
 
 @compiled_inline
