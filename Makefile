@@ -29,6 +29,7 @@ format: $(STAMP)
 bench: $(STAMP)
 	$(BIN)/footscan bench stripe
 	$(BIN)/footscan bench tables
+	$(BIN)/footscan bench process
 	$(BIN)/footscan bench foot
 
 clean:

@@ -11,7 +11,7 @@ from footscan.cli.console import STDERR, STDOUT, print_json
 from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
-from footscan.workflow import foot_bench, stripe_bench
+from footscan.workflow import foot_bench, process_bench, stripe_bench
 from footscan.workflow.designs import builtin_scanner
 
 bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)
@@ -102,3 +102,19 @@ def bench_foot(
         ratio = "" if t.baseline_ms is None else f"{t.baseline_ms[1] / t.ours_ms[1]:.1f}"
         table.add_row(t.step, own, target, t.baseline, other, ratio)
     STDOUT.print(table)
+
+
+@bench_app.command("process")
+def bench_process(
+    times: Annotated[int, typer.Option(help="How many times the frames the long recording has.", min=2, max=100)] = 10,
+    repeats: Annotated[int, typer.Option(help="Runs of the short recording.", min=1, max=50)] = 3,
+) -> None:
+    """A recording of 480 frames from PNG to report, as a process of its own, and many times the frames."""
+    short, long = process_bench.time_process(_design(None), times, repeats)
+    for run in (short, long):
+        STDOUT.print(
+            f"{run.frames} frames: {run.wall_s:.2f} s wall, {run.stages_s:.2f} s in stages, "
+            f"{run.loop_s:.2f} s frame loop, {run.peak_mb:.0f} MB peak"
+        )
+    loop, stages = long.loop_s / short.loop_s, long.stages_s / short.stages_s
+    STDOUT.print(f"{times} times the frames: frame loop {loop:.1f} times, all stages {stages:.1f} times the time")
