@@ -10,6 +10,7 @@ from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.coordinates import Floats, Side
 from footscan.foot.measurements import Measurement, measure, measurements_json
 from footscan.foot.mesh_file import load_foot_mesh
+from footscan.foot.repair import repair_mesh
 from footscan.foot.sections import section
 from footscan.foot.units import check_foot_length
 from footscan.workflow.stored_foot import stored_subject
@@ -73,9 +74,9 @@ def section_command(
     """Cut a foot by a plane: area, perimeter, tape girth, width, height, and the share never seen."""
     point, direction = parse_triple(origin, "--origin"), parse_triple(normal, "--normal")
     with progress_bar("cutting", quiet=json_only):
-        mesh = load_foot_mesh(foot, unit)
-        check_foot_length(float(np.ptp(mesh.vertices, axis=0)[:2].max()), unit)
-        cut = section(mesh, point, direction)
+        whole = repair_mesh(load_foot_mesh(foot, unit))
+        check_foot_length(float(np.ptp(whole.mesh.vertices, axis=0)[:2].max()), unit)
+        cut = section(whole.mesh, point, direction)
     content: dict[str, Any] = {
         "area_mm2": cut.area_mm2,
         "perimeter_mm": cut.perimeter_mm,
@@ -87,9 +88,13 @@ def section_command(
         "centroid_mm": [float(x) for x in cut.centroid],
         "closed": cut.closed,
         "curves": len(cut.polylines),
+        "remarks": list(whole.remarks),
     }
     if json_only:
         print_json(content)
         return
     for name, value in content.items():
-        STDOUT.print(f"{name:20} {'unknown' if value is None else value}")
+        if name != "remarks":
+            STDOUT.print(f"{name:20} {'unknown' if value is None else value}")
+    for remark in whole.remarks:
+        STDOUT.print(f"Remark: {remark}")

@@ -20,7 +20,9 @@ def simulate(
     unit: Annotated[Unit, typer.Option(help="Unit of the mesh file.")] = "mm",
     scanner: Annotated[Path | None, typer.Option(help="scanner.toml; default: the paper's prototype.")] = None,
     side: Annotated[Side, typer.Option(help="Side of the foot.")] = "left",
-    seed: Annotated[int | None, typer.Option(help="A machine as it leaves a workshop; the seed chooses which.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="A machine as it leaves a workshop; the seed chooses which.", min=0, max=2**31)
+    ] = None,
     ideal: Annotated[bool, typer.Option("--ideal", help="A machine exactly as designed.")] = False,
     frames: Annotated[int, typer.Option(help="Frames per sweep.", min=8, max=20000)] = 240,
     size: Annotated[float, typer.Option(help="Size of the built-in foot, 0.45 to 1.2.")] = 1.0,
@@ -37,7 +39,7 @@ def simulate(
 
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the demo; results of an earlier demo are replaced.")],
-    seed: Annotated[int, typer.Option(help="Which simulated machine.")] = 7,
+    seed: Annotated[int, typer.Option(help="Which simulated machine.", min=0, max=2**31)] = 7,
 ) -> None:
     """Scan the built-in foot on a simulated machine, process the recording, and say how exact the result is."""
     with progress_bar("simulating", quiet=False) as progress:

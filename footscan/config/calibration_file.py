@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from footscan.config.machine_models import (
     CalibrationEncoderModel,
     CameraModel,
+    LengthTriple,
     Triple,
     both_lasers_once,
     camera_table,
@@ -36,7 +37,7 @@ class PoseModel(Strict):
 
     phi_deg: float = Field(gt=1, lt=89)
     sigma_deg: float = Field(gt=-45, lt=45)
-    translation_mm: Triple
+    translation_mm: LengthTriple
 
     def pose(self) -> Pose:
         """The dataclass of `optics`."""

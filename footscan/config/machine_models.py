@@ -9,15 +9,17 @@ from footscan.config.toml_file import Strict, Table
 from footscan.optics.calibration import EncoderScale
 from footscan.optics.camera import Camera
 
-Positive = Annotated[float, Field(gt=0)]
+PixelPlace = Annotated[float, Field(gt=-20000, lt=40000)]
+Length = Annotated[float, Field(gt=-5000, lt=5000)]
 
 
 def _pair_or_triple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-Pair = Annotated[tuple[float, float], BeforeValidator(_pair_or_triple)]
+PixelPair = Annotated[tuple[PixelPlace, PixelPlace], BeforeValidator(_pair_or_triple)]
 Triple = Annotated[tuple[float, float, float], BeforeValidator(_pair_or_triple)]
+LengthTriple = Annotated[tuple[Length, Length, Length], BeforeValidator(_pair_or_triple)]
 
 
 class CameraModel(Strict):
@@ -29,7 +31,7 @@ class CameraModel(Strict):
     pixel_pitch_z_mm: float = Field(gt=1e-4, lt=0.1)
     focal_length_mm: float = Field(gt=0.5, lt=500)
     horizontal_scale: float = Field(gt=0.5, lt=2)
-    principal_point_px: Pair
+    principal_point_px: PixelPair
     k1_per_mm2: float = Field(gt=-1, lt=1)
     k2_per_mm4: float = Field(gt=-1, lt=1)
     image_rotation_deg: Literal[0, 180] = 0
@@ -43,7 +45,7 @@ class ScannerEncoderModel(Strict):
     """`[encoder]` of a scanner."""
 
     steps_per_rev: int = Field(ge=8, le=10_000_000)
-    zero_count: int
+    zero_count: int = Field(ge=-1_000_000_000, le=1_000_000_000)
     direction: Literal[1, -1]
 
     def scale(self) -> EncoderScale:

@@ -31,7 +31,7 @@ def read_toml(path: Path) -> Table:
         ConfigError: The file is missing, unreadable, not UTF-8 or not TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise ConfigError(f"{path} does not exist; give the path of an existing TOML file.") from None
     except (OSError, UnicodeDecodeError) as err:
@@ -88,8 +88,9 @@ def _sentence(mistake: Table) -> str:
         return f'key "{key}" is unknown, remove it or correct its spelling'
     if kind == "missing":
         return f'key "{key}" is missing, add it'
-    message = mistake["msg"].removeprefix("Value error, ")
-    return f'key "{key}" is {found!r}, but {message[0].lower()}{message[1:]}'
+    message = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list")
+    what = f" is {found!r}" if not isinstance(found, dict | list | tuple) else ""
+    return f'key "{key}"{what}: {message[0].lower()}{message[1:]}'
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -53,8 +53,15 @@ class Calibration:
     created: str = field(default="", compare=False)
 
     def laser(self, name: LaserName) -> LightPlane:
-        """The light plane of one laser."""
-        return next(sheet for sheet in self.lasers if sheet.name == name)
+        """The light plane of one laser.
+
+        Raises:
+            ValueError: No such laser.
+        """
+        for sheet in self.lasers:
+            if sheet.name == name:
+                return sheet
+        raise ValueError(f"a laser is right or left, found {name!r}")
 
 
 def camera_from_world(calibration: Calibration, theta_rad: float = 0.0) -> Floats:

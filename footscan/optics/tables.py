@@ -35,9 +35,15 @@ class LightTable:
 
         Read by a 4x4 cubic (Keys, a = -1/2; error below 1e-4 mm), at the rim of the working volume by a 2x2 linear
         one; NaN where the volume or the frame ends.
+
+        Raises:
+            ValueError: `uv` is not `(n, 2)`.
         """
+        uv = np.asarray(uv, dtype=np.float64)
+        if uv.ndim != 2 or uv.shape[1] != 2:
+            raise ValueError(f"places are (n, 2), found {uv.shape}")
         result = np.empty((len(uv), 2))
-        _read_between_pixels(self.xy_light, np.ascontiguousarray(uv, dtype=np.float64), result)
+        _read_between_pixels(self.xy_light, np.ascontiguousarray(uv), result)
         return result
 
 

@@ -11,6 +11,9 @@ from footscan.scanning.recording import EncoderTrack
 
 FARTHEST_SAMPLE_S = 0.050
 _FASTEST_REV_PER_S = 2.0
+_TIMES_USUAL = 8.0  # a head does not turn this many times faster than it usually does
+_SLACK_STEPS = 8.0
+_FEWEST_RATES = 100
 _STILL_STEPS = 2
 
 
@@ -46,7 +49,10 @@ def frame_angles(time_s: Floats, latency_s: float, track: EncoderTrack, encoder:
 
 def _refuse_jumps(track: EncoderTrack, encoder: EncoderScale) -> None:
     step, pause_s = np.abs(np.diff(track.count)), np.diff(track.time_s)
-    limit = np.maximum(pause_s, 0.001) * _FASTEST_REV_PER_S * encoder.steps_per_rev + 2.0
+    rate = step[step > 0] / np.maximum(pause_s[step > 0], 0.001)
+    usual = float(np.median(rate)) if len(rate) > _FEWEST_RATES else np.inf
+    fastest = min(_FASTEST_REV_PER_S * encoder.steps_per_rev, _TIMES_USUAL * usual)
+    limit = np.maximum(pause_s, 0.001) * fastest + _SLACK_STEPS
     jumps = np.flatnonzero((step > limit) & (pause_s <= FARTHEST_SAMPLE_S))
     if len(jumps):
         at = int(jumps[0])

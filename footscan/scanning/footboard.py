@@ -95,5 +95,6 @@ def _remark(offset_mm: float, tilt_deg: float) -> str:
         return ""
     return (
         f"the footboard lies {offset_mm:+.2f} mm and {tilt_deg:.2f} degrees off the calibrated floor "
-        f"(allowed {LARGEST_OFFSET_MM} mm and {LARGEST_TILT_DEG} degrees): check the board, then recalibrate"
+        f"(allowed {LARGEST_OFFSET_MM} mm and {LARGEST_TILT_DEG} degrees): check the board, "
+        "and that the calibration is this machine's, then recalibrate"
     )

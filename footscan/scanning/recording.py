@@ -121,12 +121,14 @@ def _load_frames(path: Path) -> tuple[FrameRecord, ...]:
             raise RecordingError(f"{path} line {line}: sweep is {sweep!r}, allowed are cw, ccw, static.")
         if file in seen:
             raise RecordingError(f"{path} line {line}: {file} is named twice; every frame has its own file.")
-        if Path(file).is_absolute() or ".." in Path(file).parts:
+        if not file or "\0" in file or Path(file).is_absolute() or ".." in Path(file).parts:
             raise RecordingError(
-                f"{path} line {line}: {file} lies outside the recording; only paths inside are allowed."
+                f"{path} line {line}: {file!r} is no file inside the recording; only such paths are allowed."
             )
         seen.add(file)
-        index = int(_number(path, line, "frame", number))
+        if not number.strip().isdecimal() or len(number) > 15:
+            raise RecordingError(f"{path} line {line}: frame is {number!r}, a whole number from 0 on is needed.")
+        index = int(number)
         when = _number(path, line, "time_s", time_s)
         records.append(FrameRecord(index, file, when, laser, sweep, setup))
     return tuple(records)

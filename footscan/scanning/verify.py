@@ -20,10 +20,11 @@ def verify_recording(recording: Recording) -> list[str]:
             read_frame(recording.path(record), recording.scanner.camera)
         except UnusableFrameError as err:
             problems.append(f"frame {record.frame}: {err.reason} ({err})")
-    return problems + _against_manifest(recording)
+    return problems + against_manifest(recording)
 
 
-def _against_manifest(recording: Recording) -> list[str]:
+def against_manifest(recording: Recording) -> list[str]:
+    """What differs from the checksums the recording carries, one sentence each; nothing where it carries none."""
     manifest = recording.folder / MANIFEST
     if not manifest.is_file():
         return []

@@ -23,9 +23,12 @@ from footscan.scanning.cloud import Cloud, cloud_from_matrix
 from footscan.scanning.footboard import BoardCheck, check_board
 from footscan.scanning.recording import Recording
 from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_frames
+from footscan.scanning.verify import against_manifest
 
 ObjectKind = Literal["foot", "last"]
 FEWEST_POINTS = 2000
+_LEAST_OF_OTHER = 0.05  # a laser with fewer points than this share of the other's saw nothing of use
+_MOST_REJECTED = 0.05
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,16 @@ def check_machine(recording: Recording, calibration: Calibration) -> None:
             f"the recording's pictures are {own.width_px} x {own.height_px}, the calibration is for "
             f"{other.width_px} x {other.height_px}; use the calibration of this camera setting."
         )
+    _check_encoder(recording, calibration)
+
+
+def _check_encoder(recording: Recording, calibration: Calibration) -> None:
+    own, other = recording.scanner.encoder, calibration.encoder
+    if (own.steps_per_rev, own.direction) != (other.steps_per_rev, other.direction):
+        raise InputError(
+            f"the recording's encoder has {own.steps_per_rev} steps per turn and direction {own.direction}, the "
+            f"calibration says {other.steps_per_rev} and {other.direction}; use the calibration of this machine."
+        )
 
 
 def process_recording(
@@ -118,7 +131,7 @@ def process_recording(
         tables = build_tables(calibration)
     with stages.stage("frames"):
         sweep = sweep_frames(recording, calibration, tables, settings.sweep, progress)
-    remarks = _both_lasers(recording, sweep, settings.one_laser)
+    remarks = _both_lasers(recording, sweep, settings.one_laser) + _doubts(recording, sweep)
     with stages.stage("world"):
         whole = cloud_from_matrix(sweep.matrix, tables)
     with stages.stage("board"):
@@ -147,6 +160,10 @@ def _both_lasers(recording: Recording, sweep: SweepResult, one_laser: bool) -> l
     """
     points = points_per_laser(sweep)
     frames = Counter(record.laser for record in recording.frames)
+    if sweep.accounting.used == 0:
+        raise RecordingError(
+            f"none of {sweep.accounting.seen} frames can be used{_why(sweep)}; copy or record it again."
+        )
     if sum(points.values()) == 0:
         raise EmptyScanError(
             f"no stripe was found in {sweep.accounting.used} frames at threshold {sweep.threshold} "
@@ -155,18 +172,32 @@ def _both_lasers(recording: Recording, sweep: SweepResult, one_laser: bool) -> l
         )
     remarks: list[str] = []
     for name in LASER_NAMES:
-        if points[name]:
+        if points[name] > _LEAST_OF_OTHER * max(points.values()):
             continue
-        what = (
-            f"no stripe of the {name} laser in {frames[name]} frames"
-            if frames[name]
-            else f"no frame of the {name} laser"
-        )
+        few = f"only {points[name]} stripe points" if points[name] else "no stripe"
+        what = f"{few} of the {name} laser in {frames[name]} frames{_why(sweep)}"
+        if not frames[name]:
+            what = f"no frame of the {name} laser"
         if not one_laser:
             kind = EmptyScanError if frames[name] else RecordingError
             raise kind(f"{what}: half of the foot was not seen. Scan again, or allow one laser with --one-laser.")
         remarks.append(f"{what}; the result rests on one laser")
     return remarks
+
+
+def _doubts(recording: Recording, sweep: SweepResult) -> list[str]:
+    """What a person should know about the frames themselves."""
+    lost = sweep.accounting.rejected.total() - sweep.accounting.rejected["unlit"]
+    doubts = (
+        [f"{lost} of {sweep.accounting.seen} frames were rejected{_why(sweep)}"]
+        if (lost > _MOST_REJECTED * sweep.accounting.seen)
+        else []
+    )
+    changed = against_manifest(recording)
+    if changed:
+        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        doubts.append(f"the recording is not as it was finished: {'; '.join(changed[:3])}{more}")
+    return doubts
 
 
 def _why(sweep: SweepResult) -> str:

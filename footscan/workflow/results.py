@@ -6,13 +6,14 @@ from typing import Any
 
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
-from footscan.errors import EmptyScanError, FootscanError, MeshError, StorageError
+from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityError, StorageError
 from footscan.scanning.point_file import save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report
 
 FOOT_FILES = ("surface.stl", "surface.ply", "surface.json", "measurements.json", "report.png")
+LEAST_SEEN, USUALLY_SEEN = 0.1, 0.4
 RESULT_FILES = ("points.ply", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
 
 
@@ -25,6 +26,7 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     Raises:
         StorageError: The folder cannot be written; files written before stay whole.
         MeshError: The points are no foot that can be measured; points, pictures and scan.json are there all the same.
+        QualityError: Too little skin was seen; the same holds.
     """
     _remove_old(folder)
     stages = Stages()
@@ -66,6 +68,16 @@ def _add_foot(
         report["foot"] = {"refused": str(refusal)}
         return refusal
     report["foot"] = foot_report(foot)
+    seen = report["foot"]["skin"]["seen"]
+    if seen < LEAST_SEEN:
+        refusal = QualityError(
+            f"only {seen:.0%} of the skin was seen, at least {LEAST_SEEN:.0%} make a foot that can be measured; "
+            "look at scan.json for rejected frames, and scan again."
+        )
+        report["foot"]["refused"] = str(refusal)
+        return refusal
+    if seen < USUALLY_SEEN:
+        report["remarks"].append(f"only {seen:.0%} of the skin was seen, usual are 60 %: take more frames per turn")
     with stages.stage("surface files and report.png"):
         save_foot(foot, folder, result.recording.folder.name)
     return None

@@ -143,6 +143,18 @@ def test_a_section_gives_the_contract_values(processed):
     assert cut["closed"]
 
 
+def test_a_bare_stl_is_cut_like_the_folder_it_comes_from(processed):
+    plane = ("--origin", "0,0,30", "--normal", "0,0,1", "--json")
+    folder = json.loads(footscan("section", processed, *plane, check=0).stdout)
+    bare = json.loads(footscan("section", processed / "surface.stl", *plane, check=0).stdout)
+
+    assert bare["closed"]
+    assert bare["curves"] == folder["curves"]
+    assert bare["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-4)
+    assert bare["hull_perimeter_mm"] == pytest.approx(folder["hull_perimeter_mm"], rel=1e-4)
+    assert bare["unseen_share"] is None
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -89,3 +89,15 @@ def test_a_cut_table_file_is_named(tmp_path, workshop):
 
     with pytest.raises(InputError, match="no complete calibration tables"):
         load_tables(tmp_path / "tables.npz", workshop)
+
+
+@pytest.mark.parametrize("uv", [np.zeros((5, 1)), np.zeros((2, 5)), np.zeros(2), np.zeros((3, 3))])
+def test_places_of_another_shape_are_refused(ideal, uv):
+    with pytest.raises(ValueError, match="places are"):
+        build_table(ideal, "right").lookup(uv)
+
+
+def test_no_places_give_no_points_and_a_third_laser_is_none(ideal):
+    assert build_table(ideal, "right").lookup(np.empty((0, 2))).shape == (0, 2)
+    with pytest.raises(ValueError, match="right or left"):
+        build_table(ideal, "middle")

@@ -72,3 +72,12 @@ def test_a_silent_encoder_is_named():
     with pytest.raises(RecordingError, match="encoder is silent: its count stays at 1000 over 5 frames"):
         refuse_silent_encoder(np.linspace(0.1, 0.9, 5), still, 0.0)
     refuse_silent_encoder(np.linspace(0.1, 0.9, 5), track((0.0, 1000), (1.0, 1100)), 0.0)
+
+
+def test_a_jump_far_beyond_the_usual_speed_is_named_even_if_it_is_small():
+    count = 1000 + np.cumsum(np.full(400, 3.0))
+    count[200:] += 60.0
+    jumping = EncoderTrack(np.arange(400) * 0.004, count)
+
+    with pytest.raises(RecordingError, match="line 202: the count jumps"):
+        frame_angles(np.array([0.5]), 0.0, jumping, SCALE)

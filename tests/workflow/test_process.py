@@ -7,7 +7,15 @@ import pytest
 import trimesh
 
 from footscan.config import load_calibration
-from footscan.errors import EmptyScanError, FootscanError, InputError, MachineMismatchError, RecordingError
+from footscan.errors import (
+    EmptyScanError,
+    FootscanError,
+    InputError,
+    MachineMismatchError,
+    MeshError,
+    QualityError,
+    RecordingError,
+)
 from footscan.scanning.angles import FrameAngles
 from footscan.scanning.filters import FilterSettings
 from footscan.scanning.footboard import height_above
@@ -215,6 +223,50 @@ def test_a_scan_of_one_laser_is_refused_unless_that_was_allowed(scan_copy, works
     allowed = processed(scan_copy, workshop, one_laser=True)
     assert "the result rests on one laser" in allowed.remarks[0]
     assert set(allowed.cloud.laser) == {0}
+
+
+def test_a_laser_of_which_hardly_anything_came_is_as_good_as_dark(scan_copy, workshop):
+    for path in sorted((scan_copy / "frames").glob("*.png"))[49:]:
+        cv2.imwrite(str(path), np.zeros((500, 582), np.uint8))
+
+    with pytest.raises(EmptyScanError, match=r"only \d+ stripe points of the left laser"):
+        processed(scan_copy, workshop)
+
+
+def test_when_no_picture_can_be_read_nobody_is_sent_to_the_lasers(scan_copy, workshop):
+    for path in (scan_copy / "frames").glob("*.png"):
+        path.unlink()
+
+    with pytest.raises(RecordingError, match="none of 96 frames can be used: 96 x missing"):
+        processed(scan_copy, workshop)
+
+
+def test_many_rejected_frames_and_changed_files_are_remarked(scan_copy, workshop):
+    for number in range(10):
+        (scan_copy / f"frames/{number:06d}.png").write_bytes(b"")
+    remarks = " ".join(processed(scan_copy, workshop).remarks)
+
+    assert "10 of 96 frames were rejected: 10 x empty file" in remarks
+    assert "the recording is not as it was finished: frames/000000.png was changed" in remarks
+    assert remarks.endswith("and 7 more")
+
+
+def test_a_foot_hardly_seen_is_refused_and_its_points_stay(scan_copy, workshop, tmp_path):
+    for number in range(96):
+        if number % 4:
+            (scan_copy / f"frames/{number:06d}.png").write_bytes(b"")
+    sparse = processed(scan_copy, workshop)
+
+    with pytest.raises((QualityError, MeshError)):
+        save_results(sparse, ProcessSettings(), tmp_path / "out")
+    assert (tmp_path / "out/points.ply").is_file()
+    assert not (tmp_path / "out/measurements.json").exists()
+
+
+@pytest.mark.parametrize("change", [{"steps_per_rev": 4000}, {"direction": -1}])
+def test_a_calibration_with_another_encoder_is_refused(small_scan, workshop, change):
+    with pytest.raises(InputError, match="steps per turn"):
+        processed(small_scan, replace(workshop, encoder=replace(workshop.encoder, **change)))
 
 
 def test_a_laser_that_stayed_dark_is_named(scan_copy, workshop):
