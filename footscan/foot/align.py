@@ -27,7 +27,7 @@ from footscan.foot.outline import (
     side_at,
     turned,
 )
-from footscan.foot.shape import check_shape, is_stump, rough_heading, side_score, standing_questions
+from footscan.foot.shape import check_shape, check_standing, is_stump, rough_heading, side_score, standing_questions
 from footscan.foot.shell import Shell
 
 AxisName = Literal["A1", "A2", "A4", "A5"]
@@ -105,6 +105,7 @@ def align_foot(
     if side not in ("left", "right", None):
         raise MeshError(f"side {side!r}: allowed are left and right")
     heading = rough_heading(shell)
+    check_standing(shell, heading)
     outline = find_outline(shell, OUTLINE_HEIGHT_SHARE * heading.length_mm)
     check_shape(shell, outline, heading)
     left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")

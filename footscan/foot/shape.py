@@ -17,9 +17,8 @@ _FLATTEST_BOARD, _FLATTEST_FOOT = 0.03, 0.14
 """Height over length: below the first there is no foot, below the second only its sole."""
 _ROUNDEST_STUMP, _BROADEST_FOOT = 1.2, 1.55
 """Length over breadth; a foot has 2.3 to 3, a short stump after amputation may have 1.3, two feet side by side 1.3."""
-
-
-_LOWEST_SHARE = (-0.015, 0.03)
+_LOWEST_SHARE, _REFUSED_SHARE = (-0.015, 0.03), (-0.2, 0.1)
+"""Height of the lowest skin over the length: outside the first a question, outside the second refused."""
 STUMP_SHARE = 0.17
 """Dorsum height at 90 % of the length, over the length, from which the front is a stump (toes: 0.08 to 0.12)."""
 
@@ -69,9 +68,19 @@ def check_shape(shell: Shell, outline: Outline, heading: Heading) -> None:
         raise MeshError(f"{size}: as broad as it is long, like a ball, not like a foot; check the mesh")
     if heading.length_mm / heading.breadth_mm < _BROADEST_FOOT and not is_stump(shell, outline, heading):
         raise MeshError(f"{size}: too broad for one foot: two feet, or something beside it? one foot at a time")
+
+
+def check_standing(shell: Shell, heading: Heading) -> None:
+    """Refuse a foot so far from the board that its low skin, which everything is taken from, is not low.
+
+    Raises:
+        MeshError: Saying how far.
+    """
     lowest = float(shell.xyz[:, 2].min())
-    if abs(lowest) > 0.2 * heading.length_mm:
-        raise MeshError(f"the lowest point is at z = {lowest:.0f} mm: the foot has to stand on z = 0, the board")
+    if not _REFUSED_SHARE[0] * heading.length_mm <= lowest <= _REFUSED_SHARE[1] * heading.length_mm:
+        raise MeshError(
+            f"the foot does not stand on z = 0 (lowest skin at {lowest:.0f} mm): put it on the board, z = 0"
+        )
 
 
 def standing_questions(shell: Shell, length_mm: float) -> tuple[str, ...]:

@@ -149,9 +149,10 @@ def test_a_mesh_without_a_usable_triangle_is_refused():
         measure(trimesh.Trimesh(np.full((3, 3), np.nan), [[0, 1, 2]], process=False), "right")
 
 
-def test_a_foot_floating_far_above_the_board_is_refused(foot):
-    with pytest.raises(MeshError, match="the board"):
-        measure(foot.copy().apply_translation([0.0, 0.0, 400.0]), "right")
+@pytest.mark.parametrize("height_mm", [-60.0, 30.0, 50.0, 400.0])
+def test_a_foot_far_from_the_board_is_refused_with_its_height(foot, height_mm):
+    with pytest.raises(MeshError, match=rf"lowest skin at {height_mm:.0f} mm\): put it on the board"):
+        measure(foot.copy().apply_translation([0.0, 0.0, height_mm]), "right")
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("m", 1e-3), ("cm", 0.1), ("in", 1 / 25.4)])
