@@ -27,7 +27,15 @@ from footscan.foot.outline import (
     side_at,
     turned,
 )
-from footscan.foot.shape import check_shape, check_standing, is_stump, rough_heading, side_score, standing_questions
+from footscan.foot.shape import (
+    check_ankle,
+    check_shape,
+    check_standing,
+    is_stump,
+    rough_heading,
+    side_score,
+    standing_questions,
+)
 from footscan.foot.shell import Shell
 
 AxisName = Literal["A1", "A2", "A4", "A5"]
@@ -45,7 +53,9 @@ TOE_2_SHARE = 0.42
 """Without a hand the second toe is where the front of the outline lies this share of the ball breadth from the
 medial side."""
 _SURE_SCORE = 0.06
-
+_STUMP_QUESTION = (
+    "The front looks like a closed stump: is it one? What needs toes or the ball is taken as not applicable.",
+)
 
 Front = Literal["whole", "toes missing", "ball missing"]
 """Without toes the search windows scale with the heel; without a ball the axis goes to the middle of the stump."""
@@ -108,10 +118,13 @@ def align_foot(
     check_standing(shell, heading)
     outline = find_outline(shell, OUTLINE_HEIGHT_SHARE * heading.length_mm)
     check_shape(shell, outline, heading)
+    if front != "ball missing":
+        check_ankle(shell, heading)
     left = front or ("ball missing" if is_stump(shell, outline, heading) else "whole")
     shape_side = None if left == "ball missing" else _side_of_score(side_score(shell, outline, heading))
     used, questions = _side(side, shape_side)
     questions += standing_questions(shell, heading.length_mm)
+    questions += _STUMP_QUESTION if front is None and left == "ball missing" else ()
     mirrored = used == "left"
     marks = {name: np.asarray(xyz, dtype=np.float64)[:2] for name, xyz in (given or {}).items()}
     forward = fit_axis(outline, heading.xy_forward, axis, marks, mirrored=mirrored, front=left)

@@ -6,6 +6,7 @@ import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.errors import MeshError
+from footscan.foot.crossing import convex_hull
 from footscan.foot.outline import Outline, find_bulge, find_outline, turned
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell
@@ -17,6 +18,11 @@ _FLATTEST_BOARD, _FLATTEST_FOOT = 0.03, 0.14
 """Height over length: below the first there is no foot, below the second only its sole."""
 _ROUNDEST_STUMP, _BROADEST_FOOT = 1.2, 1.55
 """Length over breadth; a foot has 2.3 to 3, a short stump after amputation may have 1.3, two feet side by side 1.3."""
+_ANKLE_SHARE, _LEAST_ANKLE_MM, _BROADEST_ANKLE = 0.52, 140.0, 0.85
+"""The area near the top, or up to this share of the length (a stump: at least this height), over that near the bottom:
+a foot has 0.2 to 0.5 (cut at 60 mm), stumps of 110 to 165 mm 0.4 to 0.7; a box, a lying ellipsoid, upside down >= 1."""
+_BROADEST_TOP = 1.6
+"""The same at the very top, where the calf over a short stump may be broader than the stump, but not as a sole is."""
 _LOWEST_SHARE, _REFUSED_SHARE = (-0.015, 0.03), (-0.2, 0.1)
 """Height of the lowest skin over the length: outside the first a question, outside the second refused."""
 STUMP_SHARE = 0.17
@@ -68,6 +74,35 @@ def check_shape(shell: Shell, outline: Outline, heading: Heading) -> None:
         raise MeshError(f"{size}: as broad as it is long, like a ball, not like a foot; check the mesh")
     if heading.length_mm / heading.breadth_mm < _BROADEST_FOOT and not is_stump(shell, outline, heading):
         raise MeshError(f"{size}: too broad for one foot: two feet, or something beside it? one foot at a time")
+
+
+def check_ankle(shell: Shell, heading: Heading) -> None:
+    """Refuse what is at its top about as broad as on the board: upside down, a box, a ball; a cloud is never refused.
+
+    Raises:
+        MeshError: Saying both areas.
+    """
+    ankle = min(heading.height_mm, max(_ANKLE_SHARE * heading.length_mm, _LEAST_ANKLE_MM))
+    bottom = float(shell.xyz[:, 2].min())
+    low = _level_area_mm2(shell, bottom + 0.1 * ankle)
+    for height, limit in ((0.9 * ankle, _BROADEST_ANKLE), (0.9 * heading.height_mm, _BROADEST_TOP)):
+        high = _level_area_mm2(shell, bottom + height)
+        if high > limit * low:
+            raise MeshError(
+                f"{high / 100.0:.0f} cm2 across at {height:.0f} mm above its lowest point, {low / 100.0:.0f} cm2 near "
+                "that: no ankle narrower than the foot, so no foot, or one upside down; turn the mesh, z up"
+            )
+
+
+def _level_area_mm2(shell: Shell, height_mm: float) -> float:
+    """Area of the hull of a level cut; 0 where there is none."""
+    xyz = cut_shell(shell, np.array([0.0, 0.0, height_mm]), np.array([0.0, 0.0, 1.0])).xyz.reshape(-1, 3)
+    if len(xyz) < 3:
+        return 0.0
+    xy = np.ascontiguousarray(xyz[:, :2])
+    xy = xy[convex_hull(xy)]
+    following = np.roll(xy, -1, axis=0)
+    return abs(float((xy[:, 0] * following[:, 1] - xy[:, 1] * following[:, 0]).sum())) / 2.0
 
 
 def check_standing(shell: Shell, heading: Heading) -> None:

@@ -88,7 +88,6 @@ def stand(shell: Shell, alignment: Alignment, given: Mapping[str, Floats], decla
     absent = absent_parts(declared)
     remarks = [f"declared absent: {name!r}, which switches nothing off" for name in declared if name not in PARTS]
     if alignment.front == "ball missing" and not absent:
-        remarks.append("the front looks like a closed stump: what needs toes or the ball is not applicable")
         absent = frozenset(PARTS["forefoot"])
     cut = cut_below(upright, CUT_HEIGHT_SHARE * alignment.reference_mm)
     top = float(cut.xyz[:, 2].max())

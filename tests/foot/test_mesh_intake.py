@@ -130,6 +130,36 @@ def test_a_sphere_is_refused():
         measure(ball, "right")
 
 
+def _solid(kind):
+    if kind == "box":
+        solid = trimesh.creation.box(extents=(270.0, 100.0, 110.0)).subdivide().subdivide().subdivide()
+    else:
+        solid = trimesh.creation.icosphere(subdivisions=4, radius=1.0).apply_scale([135.0, 50.0, 55.0])
+    return solid.apply_translation([0.0, 0.0, 55.0])
+
+
+@pytest.mark.parametrize("kind", ["box", "ellipsoid"])
+def test_a_solid_without_an_ankle_is_refused_even_when_a_side_is_given(kind):
+    with pytest.raises(MeshError, match="no ankle narrower than the foot"):
+        measure(_solid(kind), "left")
+
+
+@pytest.mark.parametrize("top_mm", [80.0, 140.0, 238.0])
+def test_a_foot_upside_down_is_refused(foot, top_mm):
+    shell = cut_below(shell_from_mesh(foot), top_mm)
+    upside = trimesh.Trimesh(shell.xyz * [1.0, -1.0, -1.0] + [0.0, 0.0, top_mm], shell.faces, process=False)
+
+    with pytest.raises(MeshError):
+        measure(upside, "left")
+
+
+@pytest.mark.parametrize("top_mm", [60.0, 80.0])
+def test_a_foot_cut_low_is_still_a_foot(foot, top_mm):
+    low = measure(mesh_from_shell(cut_below(shell_from_mesh(foot), top_mm)), "right")
+
+    assert low["foot_length"].value == pytest.approx(measure(foot, "right")["foot_length"].value, abs=0.02)
+
+
 def test_an_empty_board_is_refused():
     board = trimesh.creation.box(extents=(300.0, 120.0, 2.0)).subdivide().subdivide().subdivide()
 
