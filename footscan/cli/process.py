@@ -13,6 +13,7 @@ from footscan.coordinates import Side
 from footscan.scanning.filters import FilterKind, FilterSettings
 from footscan.scanning.recording import open_recording
 from footscan.scanning.sweep import SweepSettings
+from footscan.workflow.foot import FootSettings
 from footscan.workflow.process import ObjectKind, ProcessSettings, process_recording
 from footscan.workflow.results import save_results
 
@@ -43,6 +44,8 @@ def process(
     side: Annotated[Side | None, typer.Option(help="Side of the foot; default: the recording's.")] = None,
     load: Annotated[Load | None, typer.Option(help="Load on the foot; default: the recording's.")] = None,
     surface: Annotated[CoverKind | None, typer.Option(help="What covers the skin; default: the recording's.")] = None,
+    cloud_filter: Annotated[float, typer.Option(help="Numerical filtering of the points, 0 (off) to 1.")] = 0.0,
+    smooth: Annotated[float, typer.Option(help="Geometrical smoothing of the foot, mm, 0 is off.")] = 0.0,
     kind: Annotated[ObjectKind, typer.Option("--object", help="What stands on the board.")] = "foot",
     one_laser: Annotated[
         bool, typer.Option("--one-laser", help="Accept a scan of which one laser is missing.")
@@ -51,7 +54,7 @@ def process(
 ) -> None:
     """Turn a recording into a measured foot: points, closed surface, measurements, pictures."""
     sweep = SweepSettings(parse_threshold(threshold), FilterSettings(picture_filter, filter_size, filter_sigma))
-    settings = ProcessSettings(sweep, kind, side, one_laser, load, surface)
+    settings = ProcessSettings(sweep, kind, side, one_laser, load, surface, FootSettings(cloud_filter, smooth))
     machine = load_calibration(calibration)
     with progress_bar("frames", quiet=json_only) as progress:
         result = process_recording(open_recording(recording), machine, settings, progress)
@@ -83,5 +86,9 @@ def _tell(report: dict[str, Any], out: Path) -> None:
 def _tell_foot(foot: dict[str, Any]) -> None:
     skin = ", ".join(f"{100 * share:.0f} % {kind.replace('_', ' ')}" for kind, share in foot["skin"].items())
     STDOUT.print(f"Foot: {foot['volume_cm3']:.0f} cm3 up to {foot['cut_height_mm']:.0f} mm, skin {skin}")
+    price = foot["filtering_and_smoothing"]
+    for name, before in price.get("before", {}).items():
+        after = price["after"].get(name, before)
+        STDOUT.print(f"  {name:18} {before:10.3f} before, {after:10.3f} after filtering and smoothing")
     for question in foot["questions"]:
         STDOUT.print(f"Question: {question}")

@@ -1,7 +1,7 @@
 """From a cleaned cloud to a measured foot: surface, mesh with the origin of its skin, measurements."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,40 +12,97 @@ from threadpoolctl import threadpool_limits
 from footscan.config.recording_file import Subject
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
+from footscan.errors import InputError
 from footscan.foot.measurements import Measurements, measure, measurements_json
+from footscan.foot.section_files import cut_stack, sections_dxf, stack_csv
+from footscan.foot.shell import shell_from_mesh
 from footscan.foot.skin_origin import Origin
-from footscan.foot.surface import FootSurface, fit_foot_surface
+from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_tube
+from footscan.foot.surface import FootSurface, fit_foot_surface, flat_ends
 from footscan.foot.surface_files import save_surface_json, save_surface_ply, save_surface_stl
 from footscan.foot.surface_mesh import mesh_from_surface
 from footscan.scanning.cloud import Cloud
 from footscan.workflow.report import save_report
 
+MAIN_MEASUREMENTS = ("foot_length", "foot_breadth", "ball_girth", "instep_girth", "heel_breadth", "instep_height")
+STACK_SHARES = tuple(k / 20.0 for k in range(1, 20))
+
+
+@dataclass(frozen=True)
+class FootSettings:
+    """Numerical filtering of the points (0 off, 1 full) and geometrical smoothing of the surface (mm).
+
+    Both work on copies: points.ply and the recording stay as they are; without the two the same foot comes again.
+    """
+
+    filter_strength: float = 0.0
+    smooth_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.filter_strength <= 1.0:
+            raise InputError(f"a cloud filter of {self.filter_strength} was asked for, allowed are 0 (off) to 1.")
+        if not 0.0 <= self.smooth_mm <= 50.0:
+            raise InputError(f"smoothing over {self.smooth_mm} mm was asked for, allowed are 0 (off) to 50 mm.")
+
 
 @dataclass(frozen=True)
 class MeasuredFoot:
-    """A scanned foot: fitted surface, closed mesh (mm, world, vertex attribute `origin`), measurements."""
+    """A scanned foot: fitted surface, closed mesh (mm, world, vertex attribute `origin`), measurements.
+
+    `price` states volume and main measurements before and after filtering and smoothing; empty when both are off.
+    """
 
     surface: FootSurface
     mesh: trimesh.Trimesh
     measurements: Measurements
+    price: dict[str, dict[str, float]]
 
 
-def measure_scan(cloud: Cloud, side: Side | None, subject: Subject) -> MeasuredFoot:
+def measure_scan(
+    cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings | None = None
+) -> MeasuredFoot:
     """Fit, close and measure the foot of a cloud.
 
     Args:
-        cloud: Cleaned and merged, world coordinates.
+        cloud: Cleaned and merged, world coordinates; left as it is.
         side: The operator's word; None when nobody said.
         subject: Load and missing parts, as far as somebody said so.
+        settings: Filtering and smoothing; None for neither.
 
     Raises:
         MeshError: No foot, two, or one that is partly outside the view.
         EmptyScanError: Too few points.
     """
+    settings = settings or FootSettings()
+    plain = _fit_and_measure(cloud, side, subject, FootSettings())
+    if settings == FootSettings():
+        return plain
+    changed = _fit_and_measure(cloud, side, subject, settings)
+    price = {"before": main_values(plain), "after": main_values(changed)}
+    return replace(changed, price=price)
+
+
+def _fit_and_measure(cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings) -> MeasuredFoot:
+    xyz, weight, laser = cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser
+    if settings.filter_strength > 0.0:
+        calm = filter_cloud(xyz, FilterSettings(strength=settings.filter_strength))
+        xyz, weight, laser = calm.xyz_world, weight[calm.kept], laser[calm.kept]
     with threadpool_limits(1):  # two BLAS threads that wait for each other are slower than one
-        surface = fit_foot_surface(cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser)
+        surface = fit_foot_surface(xyz, weight, laser)
+        if settings.smooth_mm > 0.0:
+            surface = surface.with_tube(flat_ends(smooth_tube(surface.tube, settings.smooth_mm), surface.cut.z_mm))
     mesh = mesh_from_surface(surface)
-    return MeasuredFoot(surface, mesh, measure(mesh, side, load=subject.load, absent=subject.absent))
+    return MeasuredFoot(surface, mesh, measure(mesh, side, load=subject.load, absent=subject.absent), {})
+
+
+def main_values(foot: MeasuredFoot) -> dict[str, float]:
+    """Volume of the mesh and the main measurements, by name."""
+    values = {"mesh_volume_cm3": round(float(foot.mesh.volume) / 1000.0, 3), "rms_mm": round(foot.surface.rms_mm, 4)}
+    for name in MAIN_MEASUREMENTS:
+        value = foot.measurements[name].value
+        if value is not None:
+            values[name] = round(value, 3)
+    return values
 
 
 def area_by_origin(mesh: trimesh.Trimesh) -> dict[str, float]:
@@ -73,15 +130,19 @@ def foot_report(foot: MeasuredFoot) -> dict[str, Any]:
         "volume_cm3": round(float(foot.mesh.volume) / 1000.0, 3),
         "remarks": list(foot.measurements.remarks),
         "questions": list(foot.measurements.questions),
+        "filtering_and_smoothing": foot.price,
     }
 
 
 def save_foot(foot: MeasuredFoot, folder: Path, title: str) -> None:
-    """Write surface.stl, surface.ply, surface.json, measurements.json and report.png, each whole or not at all."""
+    """Write surface.*, measurements.json, sections.* and report.png, each whole or not at all."""
     save_surface_stl(foot.mesh, folder / "surface.stl")
     save_surface_ply(foot.mesh, folder / "surface.ply", "footscan, mm, world coordinates")
     save_surface_json(foot.surface.tube, folder / "surface.json")
     write_whole(
         folder / "measurements.json", (json.dumps(measurements_json(foot.measurements), indent=1) + "\n").encode()
     )
+    stack = cut_stack(shell_from_mesh(foot.mesh), foot.measurements, STACK_SHARES)
+    write_whole(folder / "sections.csv", stack_csv(stack).encode())
+    write_whole(folder / "sections.dxf", sections_dxf(stack).encode())
     save_report(foot.mesh, foot.measurements, folder / "report.png", title)

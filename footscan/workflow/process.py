@@ -24,6 +24,7 @@ from footscan.scanning.footboard import BoardCheck, check_board
 from footscan.scanning.recording import Recording
 from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_frames
 from footscan.scanning.verify import against_manifest
+from footscan.workflow.foot import FootSettings
 
 ObjectKind = Literal["foot", "last"]
 FEWEST_POINTS = 2000
@@ -41,6 +42,7 @@ class ProcessSettings:
     one_laser: bool = False
     load: Load | None = None
     surface: CoverKind | None = None
+    foot: FootSettings = field(default_factory=FootSettings)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,15 @@ from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report
 
-FOOT_FILES = ("surface.stl", "surface.ply", "surface.json", "measurements.json", "report.png")
+FOOT_FILES = (
+    "surface.stl",
+    "surface.ply",
+    "surface.json",
+    "measurements.json",
+    "report.png",
+    "sections.csv",
+    "sections.dxf",
+)
 LEAST_SEEN, USUALLY_SEEN = 0.1, 0.4
 RESULT_FILES = ("points.ply", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
 
@@ -63,7 +71,7 @@ def _add_foot(
     subject = known_subject(result, settings)
     try:
         with stages.stage("surface and measurements"):
-            foot = measure_scan(result.cloud, side, subject)
+            foot = measure_scan(result.cloud, side, subject, settings.foot)
     except (MeshError, EmptyScanError) as refusal:
         report["foot"] = {"refused": str(refusal)}
         return refusal

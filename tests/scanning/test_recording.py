@@ -130,7 +130,11 @@ def test_a_missing_picture_is_a_named_reason(tmp_path, prototype):
         ("frames.csv", lambda rows: [rows[0].replace("right", "green"), *rows[1:]], "laser is 'green'"),
         ("frames.csv", lambda rows: [rows[0].replace("ccw", "up"), *rows[1:]], "sweep is 'up'"),
         ("frames.csv", lambda rows: [rows[0], rows[0]], "named twice"),
-        ("frames.csv", lambda rows: [rows[0].replace("frames/", "../frames/"), *rows[1:]], "no file inside the recording"),
+        (
+            "frames.csv",
+            lambda rows: [rows[0].replace("frames/", "../frames/"), *rows[1:]],
+            "no file inside the recording",
+        ),
         ("encoder.csv", lambda rows: [*rows[:5], "nan,3", *rows[5:]], "line 7: time_s is 'nan'"),
         ("encoder.csv", lambda rows: [*rows[:5], rows[2], *rows[5:]], "line 7: time goes back"),
     ],

@@ -28,6 +28,7 @@ from footscan.sim.machine import ideal_machine
 from footscan.sim.motion import SweepPlan
 from footscan.sim.objects import build_sphere
 from footscan.sim.record import prepare_scan, simulate_recording
+from footscan.workflow.foot import FootSettings
 from footscan.workflow.process import ProcessSettings, process_recording, scan_report
 from footscan.workflow.results import save_results
 from footscan.workflow.simulate import run_demo
@@ -195,6 +196,26 @@ def test_a_damaged_unlit_frame_is_passed_over(scan_copy, workshop, edit_csv):
     dark = processed(scan_copy, workshop, sweep=SweepSettings(picture_filter=FilterSettings("unlit")))
 
     assert dark.sweep.accounting.used == 96
+
+
+def test_filtering_and_smoothing_state_their_price_and_leave_the_original(result, tmp_path):
+    points = result.cloud.xyz_world.copy()
+    report = save_results(result, ProcessSettings(foot=FootSettings(0.5, 12.0)), tmp_path / "smooth")
+    plain = save_results(result, ProcessSettings(), tmp_path / "plain")
+    price = report["foot"]["filtering_and_smoothing"]
+
+    np.testing.assert_array_equal(result.cloud.xyz_world, points)
+    assert price["before"]["mesh_volume_cm3"] == pytest.approx(plain["foot"]["volume_cm3"], abs=0.01)
+    assert price["after"]["mesh_volume_cm3"] == pytest.approx(report["foot"]["volume_cm3"], abs=0.01)
+    assert price["after"] != price["before"]
+    assert plain["foot"]["filtering_and_smoothing"] == {}
+    assert (tmp_path / "plain/points.ply").read_bytes() == (tmp_path / "smooth/points.ply").read_bytes()
+
+
+@pytest.mark.parametrize("wrong", [{"filter_strength": 2.0}, {"smooth_mm": -1.0}])
+def test_impossible_smoothing_is_refused(wrong):
+    with pytest.raises(InputError, match="allowed are 0"):
+        FootSettings(**wrong)
 
 
 def test_results_of_an_earlier_scan_never_stay_beside_new_ones(result, tmp_path):
