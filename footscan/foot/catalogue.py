@@ -18,6 +18,8 @@ from footscan.foot.readings import (
     ball_girth,
     ball_height,
     bend_angle,
+    foot_breadth,
+    foot_length,
     heel_girth,
     height_index,
     height_of,
@@ -65,7 +67,7 @@ CATALOGUE: tuple[Entry, ...] = (
         "mm",
         "pternion to the longest toe, along the foot axis",
         ("pternion", "foremost_point"),
-        along("pternion", "foremost_point"),
+        foot_length,
     ),
     Entry(
         "foot_length_a1",
@@ -88,7 +90,7 @@ CATALOGUE: tuple[Entry, ...] = (
         ("pternion", _MTH[1]),
         along("pternion", _MTH[1]),
     ),
-    Entry("foot_breadth", "mm", "across the axis, most medial to most lateral at the ball", _MTH, across(*_MTH), _MTH),
+    Entry("foot_breadth", "mm", "across the axis, most medial to most lateral at the ball", _MTH, foot_breadth, _MTH),
     Entry("foot_breadth_diagonal", "mm", "metatarsale tibiale to fibulare, from above", _MTH, level_distance(*_MTH)),
     Entry(
         "ball_girth", "mm", "tape round the upright plane through metatarsale tibiale and fibulare", _MTH, ball_girth

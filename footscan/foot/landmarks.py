@@ -24,7 +24,6 @@ from footscan.foot.outline import (
 )
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell, compact
-from footscan.foot.skin_origin import Origin
 from footscan.foot.standing import StandingFoot
 
 INSTEP_SHARE = 0.50
@@ -84,10 +83,9 @@ def find_landmarks(foot: StandingFoot) -> tuple[dict[str, Landmark], dict[str, M
 
 def _doubted_if_unseen(foot: StandingFoot, rule: LandmarkRule, place: Landmark) -> Landmark:
     """Add a doubt to a landmark whose skin is bridged, assumed or cut; a constructed point has no skin."""
-    if foot.shell.origin is None or place.source == "manual" or rule.name == "heel_corner":
+    if place.source == "manual" or rule.name == "heel_corner" or not foot.uncut_unseen.any():
         return place
-    nearest = int(((foot.shell.xyz - place.xyz_foot) ** 2).sum(axis=1).argmin())
-    if foot.shell.origin[nearest] == Origin.SEEN:
+    if not foot.uncut_unseen[((foot.uncut_xyz - place.xyz_foot) ** 2).sum(axis=1).argmin()]:
         return place
     return replace(place, doubts=(*place.doubts, f"not seen: the skin at {rule.name} is bridged or assumed"))
 

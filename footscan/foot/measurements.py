@@ -120,9 +120,10 @@ def measure(
     given = _checked_landmarks(landmarks or {})
     shell = shell_from_mesh(mesh)
     _check_size(shell)
-    shell, remarks = repair_shell(shell)
+    repaired = repair_shell(shell)
+    shell = repaired.shell
     alignment = align_foot(shell, side, axis, given, front_of(absent_parts(absent)))
-    foot = stand(shell, alignment, given, absent)
+    foot = stand(shell, alignment, given, absent, repaired.bridged)
     marks, missing = find_landmarks(foot)
     values = {entry.name: _measured(entry, foot, marks, missing, norm) for entry in CATALOGUE}
     length = values["foot_length"].value or alignment.length_mm
@@ -137,7 +138,7 @@ def measure(
         not_measurable=NOT_MEASURABLE,
         sizes=suggest_sizes(length),
         questions=alignment.questions,
-        remarks=(*remarks, *foot.remarks, *(() if shell.origin is not None else (ORIGIN_UNKNOWN,))),
+        remarks=(*repaired.remarks, *foot.remarks, *(() if shell.origin is not None else (ORIGIN_UNKNOWN,))),
         foot_from_input=alignment.foot_from_input,
     )
 

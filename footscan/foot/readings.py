@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footscan.coordinates import Floats
+from footscan.coordinates import Bools, Floats
 from footscan.foot.align import AxisName, fit_axis
 from footscan.foot.clip import cut_below
 from footscan.foot.girth import Girth, find_smallest, measure_girth
@@ -24,6 +24,10 @@ TOE_HEIGHT_SHARE = 0.90
 WIDTH_HEIGHT_SHARE = 0.16
 UNSEEN_LIMIT = 0.10
 """A girth of which more than this share, above the sole's edge, was not seen is not reliable."""
+END_MM = 1.0
+_BESIDE_SHARE = 0.06
+"""The end of a length is the skin within `END_MM` of its extreme; at the ball, within this share of the length in x."""
+_MTH = ("metatarsale_tibiale", "metatarsale_fibulare")
 
 _X, _Y, _Z = np.eye(3)
 
@@ -213,4 +217,38 @@ def _counted(foot: StandingFoot, height_mm: float) -> tuple[str, ...]:
 
 def overall_extent(axis: int) -> Callable[[StandingFoot, Landmarks], Reading]:
     """Extent of the low skin along (0) or across (1) the axis."""
-    return lambda foot, _: Reading(float(np.ptp(foot.alignment.outline.xy[:, axis])))
+
+    def measure(foot: StandingFoot, _: Landmarks) -> Reading:
+        return Reading(float(np.ptp(foot.alignment.outline.xy[:, axis])), None, _unseen_ends(foot, axis))
+
+    return measure
+
+
+def foot_length(foot: StandingFoot, marks: Landmarks) -> Reading:
+    """Distance along the axis from the pternion to the foremost point; a hand's landmarks need no skin."""
+    value = float(_between(marks["pternion"], marks["foremost_point"])[0])
+    by_hand = marks["pternion"].source == marks["foremost_point"].source == "manual"
+    return Reading(value, None, () if by_hand else _unseen_ends(foot, 0))
+
+
+def foot_breadth(foot: StandingFoot, marks: Landmarks) -> Reading:
+    """Distance across the axis between the metatarsal heads; the skin beside each must be seen."""
+    xyz, doubts = foot.uncut_xyz[foot.alignment.outline.vertex], ()
+    for name, side, sign in (("metatarsale_tibiale", "medial", 1.0), ("metatarsale_fibulare", "lateral", -1.0)):
+        x, y, _ = marks[name].xyz_foot
+        near = (np.abs(xyz[:, 0] - x) < _BESIDE_SHARE * foot.length_mm) & (sign * (xyz[:, 1] - y) > -END_MM)
+        doubts += () if marks[name].source == "manual" else _unseen_end(foot, near, f"{side} side of the ball")
+    return Reading(abs(float(_between(*(marks[n] for n in _MTH))[1])), None, doubts)
+
+
+def _unseen_ends(foot: StandingFoot, axis: int) -> tuple[str, ...]:
+    """A doubt for each end of the outline along an axis whose skin was mostly not seen."""
+    reach = foot.alignment.outline.xy_skin[:, axis]
+    low, high = (("heel", "front"), ("lateral side", "medial side"))[axis]
+    return _unseen_end(foot, reach < reach.min() + END_MM, low) + _unseen_end(foot, reach > reach.max() - END_MM, high)
+
+
+def _unseen_end(foot: StandingFoot, near: Bools, words: str) -> tuple[str, ...]:
+    unseen = foot.uncut_unseen[foot.alignment.outline.vertex[near]]
+    share = float(unseen.mean()) if len(unseen) else 0.0
+    return (f"not seen: {share:.0%} of the skin at its end ({words})",) if share > 0.5 else ()

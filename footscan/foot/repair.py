@@ -21,6 +21,11 @@ _MERGE_MM = 1e-4
 _LARGEST_HOLE_SHARE = 0.25
 """A hole whose rim is longer than this share of the horizontal extent, and is neither sole nor top, is
 reported as large."""
+_FLATTEST_SHARE = 0.15
+"""An open sole or top has a rim whose heights differ by less than this share of the horizontal extent; a foot sawn
+through has not."""
+_NAMED_HOLES = 4
+"""More holes than this are summed up in one remark."""
 
 
 @dataclass(frozen=True)
@@ -31,26 +36,46 @@ class RepairedMesh:
     remarks: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class RepairedShell:
+    """The same as arrays; `bridged` `(k,)` are the vertices in and beside holes that are neither sole nor top."""
+
+    shell: Shell
+    remarks: tuple[str, ...]
+    bridged: Ints
+
+
+@dataclass(frozen=True)
+class _Hole:
+    """An opening: the class of what closes it, its mean height and length of rim (mm), and whether it is large."""
+
+    origin: Origin
+    height_mm: float
+    round_mm: float
+    large: bool
+
+
 def repair_mesh(mesh: trimesh.Trimesh) -> RepairedMesh:
     """Make one closed, outward surface of a mesh in mm.
 
     Raises:
         MeshError: Nothing is left, or the mesh holds several objects, such as two feet.
     """
-    shell, remarks = repair_shell(shell_from_mesh(mesh))
-    return RepairedMesh(mesh_from_shell(shell), tuple(remarks))
+    repaired = repair_shell(shell_from_mesh(mesh))
+    return RepairedMesh(mesh_from_shell(repaired.shell), repaired.remarks)
 
 
-def repair_shell(shell: Shell) -> tuple[Shell, list[str]]:
+def repair_shell(shell: Shell) -> RepairedShell:
     """`repair_mesh` on plain arrays."""
+    bridged = np.empty(0, dtype=np.int64)
     remarks: list[str] = []
     shell = _without_bad_faces(shell, remarks)
     shell = _merged(shell)
     shell = _without_double_faces(shell, remarks)
     shell = _largest_piece(shell, remarks)
     if not _is_sound(shell):
-        shell = _without_holes(_consistent(shell, remarks), remarks)
-    return _outward(shell, remarks), remarks
+        shell, bridged = _without_holes(_consistent(shell, remarks), remarks)
+    return RepairedShell(_outward(shell, remarks), tuple(remarks), bridged)
 
 
 def _without_bad_faces(shell: Shell, remarks: list[str]) -> Shell:
@@ -139,31 +164,52 @@ def _consistent(shell: Shell, remarks: list[str]) -> Shell:
     return Shell(shell.xyz, np.ascontiguousarray(mesh.faces, dtype=np.int64), shell.origin)
 
 
-def _without_holes(shell: Shell, remarks: list[str]) -> Shell:
+def _without_holes(shell: Shell, remarks: list[str]) -> tuple[Shell, Ints]:
+    """Close all holes; also the vertices in and beside the bridged ones."""
     edges, name, count = _pairs(shell)
     rim = edges[count[name] == 1][:, ::-1]
-    if len(rim) == 0:
-        return shell
     order, begins = chain_segments(np.ascontiguousarray(rim[:, 0]), np.ascontiguousarray(rim[:, 1]))
+    holes: list[_Hole] = []
+    bridged = np.zeros(len(shell.xyz) + len(begins) - 1, dtype=np.bool_)
     for a, b in itertools.pairwise(begins):
         loop = rim[order[a:b]]
-        origin, words = _kind_of_hole(shell, shell.xyz[loop[:, 0]])
-        shell = close_rim(shell, loop, origin)
-        remarks.append(words)
-    return shell
+        hole = _kind_of_hole(shell, shell.xyz[loop[:, 0]])
+        shell = close_rim(shell, loop, hole.origin)
+        holes.append(hole)
+        if hole.origin == Origin.BRIDGED:
+            bridged[loop.ravel()] = True
+    remarks += _hole_remarks(holes)
+    beside = bridged[shell.faces].any(axis=1)
+    return shell, np.unique(shell.faces[beside])
 
 
-def _kind_of_hole(shell: Shell, xyz_rim: Floats) -> tuple[int, str]:
+def _kind_of_hole(shell: Shell, xyz_rim: Floats) -> _Hole:
     bottom, top = float(shell.xyz[:, 2].min()), float(shell.xyz[:, 2].max())
     around = float(np.linalg.norm(np.diff(xyz_rim, axis=0, append=xyz_rim[:1]), axis=1).sum())
     extent = float(np.ptp(shell.xyz[:, :2], axis=0).max())
     middle = float(xyz_rim[:, 2].mean())
-    if around > extent and middle < bottom + 0.35 * (top - bottom):
-        return Origin.ASSUMED_SOLE, "the open sole was closed flat: the sole is assumed"
-    if around > _LARGEST_HOLE_SHARE * extent and middle > bottom + 0.8 * (top - bottom):
-        return Origin.CUT, "the open top was closed flat"
-    large = "a large hole" if around > _LARGEST_HOLE_SHARE * extent else "a hole"
-    return Origin.BRIDGED, f"{large} at height {middle:.0f} mm, {around:.0f} mm round, was closed flat"
+    large = around > _LARGEST_HOLE_SHARE * extent
+    flat = float(np.ptp(xyz_rim[:, 2])) < _FLATTEST_SHARE * extent
+    origin = Origin.BRIDGED
+    if flat and around > extent and middle < bottom + 0.35 * (top - bottom):
+        origin = Origin.ASSUMED_SOLE
+    elif flat and large and middle > bottom + 0.8 * (top - bottom):
+        origin = Origin.CUT
+    return _Hole(origin, middle, around, large)
+
+
+def _hole_remarks(holes: list[_Hole]) -> list[str]:
+    kinds = {hole.origin for hole in holes}
+    words = ["the open sole was closed flat: the sole is assumed"] if Origin.ASSUMED_SOLE in kinds else []
+    words += ["the open top was closed flat"] if Origin.CUT in kinds else []
+    bridged = sorted((hole for hole in holes if hole.origin == Origin.BRIDGED), key=lambda hole: -hole.round_mm)
+    named = bridged if len(bridged) <= _NAMED_HOLES else bridged[:1]
+    where = [f"at height {hole.height_mm:.0f} mm, {hole.round_mm:.0f} mm round" for hole in named]
+    if len(bridged) > _NAMED_HOLES:
+        many = int(sum(hole.large for hole in bridged))
+        return [*words, f"{len(bridged)} holes ({many} of them large) were closed flat, the largest {where[0]}"]
+    sizes = ["a large hole" if hole.large else "a hole" for hole in named]
+    return words + [f"{size} {place}, was closed flat" for size, place in zip(sizes, where, strict=True)]
 
 
 def _outward(shell: Shell, remarks: list[str]) -> Shell:

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footscan.coordinates import Floats
+from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.align import Alignment, Front
 from footscan.foot.clip import cut_below
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell, moved
+from footscan.foot.skin_origin import Origin
 
 CUT_HEIGHT_SHARE = 0.52
 """Everything is measured on the skin below this share of the length (141 mm of 271): above the smallest ankle girth
@@ -38,7 +39,8 @@ class StandingFoot:
         least what
             the heel breadth leads one to expect.
         top_mm: Height of the highest skin.
-        uncut_z: Heights of the vertices before the cut, as the outline counts them.
+        uncut_xyz: `(n, 3)` the vertices before the cut, as the outline counts them.
+        uncut_unseen: `(n,)` which of them were not seen: by a known origin, and at holes that were closed.
         given: Landmarks by hand, in the foot frame.
         absent: Missing anatomy, as in the values of `PARTS`.
         remarks: What a reader should know.
@@ -48,7 +50,8 @@ class StandingFoot:
     alignment: Alignment
     length_mm: float
     top_mm: float
-    uncut_z: Floats
+    uncut_xyz: Floats
+    uncut_unseen: Bools
     given: Mapping[str, Floats]
     absent: frozenset[str]
     remarks: tuple[str, ...]
@@ -65,7 +68,7 @@ class StandingFoot:
 
     def shell_height_at(self, vertex: int) -> float:
         """Height (mm) of a vertex of the outline, which counts in the uncut shell."""
-        return float(self.uncut_z[vertex])
+        return float(self.uncut_xyz[vertex, 2])
 
 
 def absent_parts(declared: tuple[str, ...]) -> frozenset[str]:
@@ -82,8 +85,22 @@ def front_of(absent: frozenset[str]) -> Front | None:
     return "whole" if absent else None
 
 
-def stand(shell: Shell, alignment: Alignment, given: Mapping[str, Floats], declared: tuple[str, ...]) -> StandingFoot:
-    """Bring an aligned foot into its frame, cut it, and see what of it is missing."""
+def stand(
+    shell: Shell,
+    alignment: Alignment,
+    given: Mapping[str, Floats],
+    declared: tuple[str, ...],
+    bridged: Ints | None = None,
+) -> StandingFoot:
+    """Bring an aligned foot into its frame, cut it, and see what of it is missing.
+
+    Args:
+        shell: The repaired skin.
+        alignment: Of it.
+        given: Landmarks by hand, in the input's coordinates.
+        declared: Parts said to be absent.
+        bridged: Vertices at holes that were closed.
+    """
     upright = moved(shell, alignment.foot_from_input)
     absent = absent_parts(declared)
     remarks = [f"declared absent: {name!r}, which switches nothing off" for name in declared if name not in PARTS]
@@ -94,8 +111,15 @@ def stand(shell: Shell, alignment: Alignment, given: Mapping[str, Floats], decla
     if cut is not upright:
         remarks.append(f"the leg was cut off at {top:.0f} mm ({CUT_HEIGHT_SHARE:.0%} of the length)")
     hands = {name: _in_frame(alignment, xyz) for name, xyz in given.items()}
-    z = upright.xyz[:, 2]
-    return StandingFoot(cut, alignment, alignment.reference_mm, top, z, hands, absent, tuple(remarks))
+    unseen = _unseen(shell, bridged)
+    return StandingFoot(cut, alignment, alignment.reference_mm, top, upright.xyz, unseen, hands, absent, tuple(remarks))
+
+
+def _unseen(shell: Shell, bridged: Ints | None) -> Bools:
+    unseen = np.zeros(len(shell.xyz), dtype=np.bool_) if shell.origin is None else shell.origin != Origin.SEEN
+    if bridged is not None:
+        unseen[bridged] = True
+    return unseen
 
 
 def _in_frame(alignment: Alignment, xyz: Floats) -> Floats:

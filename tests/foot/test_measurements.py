@@ -153,6 +153,38 @@ def test_unseen_skin_above_the_edge_makes_a_girth_doubtful(foot):
     assert result["heel_breadth"].reliable
 
 
+@pytest.mark.parametrize(
+    ("axis", "sign", "names"),
+    [
+        (0, 1.0, {"overall_length", "foot_length"}),
+        (0, -1.0, {"overall_length", "foot_length"}),
+        (1, 1.0, {"overall_breadth", "foot_breadth"}),
+        (1, -1.0, {"overall_breadth", "foot_breadth"}),
+    ],
+)
+def test_a_length_that_ends_on_unseen_skin_is_not_reliable(foot, axis, sign, names):
+    marked = foot.copy()
+    reach = sign * foot.vertices[:, axis]
+    low = foot.vertices[:, 2] < 42.0
+    marked.vertex_attributes["origin"] = np.where(low & (reach > reach[low].max() - 12.0), 1, 0).astype(np.uint8)
+
+    result = measure(marked, "right")
+
+    ends = {"overall_length", "foot_length", "overall_breadth", "foot_breadth"}
+    assert {name for name in ends if not result[name].reliable} == names
+    assert all(result[name].reason.startswith("not seen") for name in names)
+
+
+def test_a_length_that_ends_at_a_closed_hole_is_not_reliable(foot):
+    holed = trimesh.Trimesh(foot.vertices, foot.faces[foot.triangles_center[:, 0] < 248.0], process=False)
+
+    result = measure(holed, "right")
+
+    assert not result["overall_length"].reliable and "not seen" in result["overall_length"].reason
+    assert not result["foot_length"].reliable
+    assert result["overall_breadth"].reliable
+
+
 def test_skin_seen_everywhere_leaves_a_narrow_interval_at_the_ankle_and_a_wide_one_at_the_ball(foot):
     marked = foot.copy()
     marked.vertex_attributes["origin"] = np.where(foot.vertices[:, 2] < 5.0, 2, 0).astype(np.uint8)

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 import trimesh
@@ -93,6 +95,25 @@ def test_an_open_top_and_an_open_sole_are_closed_and_named(foot):
     assert any("open top" in remark for remark in repaired.remarks)
     assert repaired.mesh.is_watertight
     assert repaired.mesh.volume == pytest.approx(foot.volume, rel=1e-6)
+
+
+def test_a_foot_sawn_lengthwise_has_a_large_hole_and_no_open_sole(foot):
+    half = trimesh.Trimesh(foot.vertices, foot.faces[foot.triangles_center[:, 1] > 0.0], process=False)
+
+    repaired = repair_mesh(half)
+
+    assert [remark[:12] for remark in repaired.remarks] == ["a large hole"]
+
+
+def test_many_holes_are_summed_up_in_one_remark(foot):
+    whole = np.ones(len(foot.faces), dtype=bool)
+    whole[3000:13000:1501] = False
+
+    repaired = repair_mesh(trimesh.Trimesh(foot.vertices, foot.faces[whole], process=False))
+
+    assert len(repaired.remarks) == 1
+    assert re.match(r"7 holes \(0 of them large\) were closed flat, the largest at height", repaired.remarks[0])
+    assert repaired.mesh.is_watertight
 
 
 def test_a_foot_with_holes_measures_nearly_the_same(foot):
