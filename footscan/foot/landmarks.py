@@ -24,7 +24,7 @@ from footscan.foot.outline import (
 )
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell, compact
-from footscan.foot.standing import StandingFoot
+from footscan.foot.standing import TOP_MARGIN_SHARE, StandingFoot
 
 INSTEP_SHARE = 0.50
 TOE_1_SIDE_SHARE, TOE_5_SIDE_SHARE = 0.90, 0.80
@@ -161,7 +161,8 @@ def _top_across(foot: StandingFoot, share: float) -> Landmark | Missing:
     top = xyz[xyz[:, 2].argmax()]
     if top[2] > foot.top_mm - 1e-6:
         return f"cut off: at {share:.0%} of the length the skin is higher than the mesh ({foot.top_mm:.0f} mm)"
-    return Landmark(top)
+    near = top[2] > foot.top_mm - TOP_MARGIN_SHARE * foot.length_mm
+    return Landmark(top, doubts=(f"cut off: the mesh ends at {foot.top_mm:.0f} mm, just above",) if near else ())
 
 
 def _side_across(share: float, sign: float) -> Callable[[StandingFoot, Landmarks], Landmark | Missing]:

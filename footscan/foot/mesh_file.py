@@ -11,6 +11,7 @@ from footscan.foot.units import mm_from_unit
 
 KINDS = (".stl", ".ply", ".obj", ".off", ".glb", ".3mf")
 SURFACE = "surface.ply"
+_STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
 
 
 def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
@@ -37,6 +38,7 @@ def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
 def _load_any(path: Path) -> trimesh.Trimesh:
     if path.suffix.lower() not in KINDS:
         raise MeshError(f"{path}: kind {path.suffix or 'without ending'} is not read; allowed are {', '.join(KINDS)}")
+    _refuse_cut_stl(path)
     try:
         mesh = trimesh.load(path, force="mesh", process=False)
     except Exception as error:
@@ -44,3 +46,19 @@ def _load_any(path: Path) -> trimesh.Trimesh:
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise MeshError(f"{path}: holds no triangles; a foot mesh is needed, not a cloud or a drawing")
     return mesh
+
+
+def _refuse_cut_stl(path: Path) -> None:
+    """Refuse a binary STL that is shorter than its header says; a text STL has words there."""
+    if path.suffix.lower() != ".stl":
+        return
+    with path.open("rb") as stream:
+        start = stream.read(_STL_HEADER_BYTES)
+    if len(start) < _STL_HEADER_BYTES or start.lstrip().lower().startswith(b"solid"):
+        return
+    count, size = int.from_bytes(start[80:84], "little"), path.stat().st_size
+    held = (size - _STL_HEADER_BYTES) // _STL_TRIANGLE_BYTES
+    if held < count:
+        raise MeshError(
+            f"{path}: cut off: the header counts {count} triangles, it holds {held}; copy or export it again"
+        )

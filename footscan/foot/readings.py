@@ -16,7 +16,7 @@ from footscan.foot.landmarks import Landmark, Landmarks
 from footscan.foot.sections import tape_girth_mm
 from footscan.foot.shell import NEVER_SEEN_BELOW_MM, area_mm2, volume_mm3
 from footscan.foot.skin_origin import Origin
-from footscan.foot.standing import VOLUME_HEIGHT_SHARE, StandingFoot
+from footscan.foot.standing import TOP_MARGIN_SHARE, VOLUME_HEIGHT_SHARE, StandingFoot
 
 ANKLE_BAND = (0.30, 0.51)
 WAIST_BAND = (0.52, 0.64)
@@ -103,8 +103,8 @@ def _girth_doubts(foot: StandingFoot, girth: Girth) -> tuple[str, ...]:
     doubts: list[str] = []
     if girth.unseen_share > UNSEEN_LIMIT:
         doubts.append(f"not seen: {girth.unseen_share:.0%} of the skin there")
-    if girth.xyz[:, 2].max() > foot.top_mm - 1e-6:
-        doubts.append(f"cut off: the tape runs over the top of the mesh ({foot.top_mm:.0f} mm)")
+    if girth.xyz[:, 2].max() > foot.top_mm - TOP_MARGIN_SHARE * foot.length_mm:
+        doubts.append(f"cut off: the tape runs over or just below the top of the mesh ({foot.top_mm:.0f} mm)")
     return tuple(doubts)
 
 

@@ -17,6 +17,8 @@ CUT_HEIGHT_SHARE = 0.52
 (80 to 140 mm on adults), below the calf. A taller mesh is cut there first."""
 VOLUME_HEIGHT_SHARE = 0.35
 """Volume and surface count up to this share of the length, so that scans with and without a leg compare."""
+TOP_MARGIN_SHARE = 0.015
+"""What is within this share of the length below the highest skin may be cut off: the rim of a cut can be ragged."""
 TOES = ("toe_1", "toe_2", "toe_3", "toe_4", "toe_5")
 PARTS: dict[str, tuple[str, ...]] = {
     **{toe: (toe,) for toe in TOES},

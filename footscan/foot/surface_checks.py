@@ -8,13 +8,13 @@ from scipy.ndimage import label
 from footscan.coordinates import WORKING_RADIUS_MM, Bools, Floats, Ints
 from footscan.errors import EmptyScanError, MeshError
 from footscan.foot.surface_chart import principal_box
+from footscan.foot.units import FOOT_LENGTH_MM
 
 FEWEST_POINTS = 1500
 _BORDER_MM = 2.0
 _BORDER_POINTS = 20
 _VOXEL_MM = 10.0
 _SECOND_OBJECT = 0.04  # of the points: a smaller separate cluster is a stray and left out
-_LENGTH_MM = (80.0, 380.0)
 _LEAST_BREADTH = 0.2  # of the length
 _SPHERE_RESIDUAL = 0.03  # of the radius
 _LEAST_HEIGHT = 0.1  # of the length: a plantar scan is lower
@@ -96,9 +96,9 @@ def check_shape(xyz_world: Floats) -> float:
     """
     _, (breadth, length) = principal_box(xyz_world[:, :2])
     height = float(np.percentile(xyz_world[:, 2], 99.5))
-    if not _LENGTH_MM[0] <= length <= _LENGTH_MM[1]:
+    if not FOOT_LENGTH_MM[0] <= length <= FOOT_LENGTH_MM[1]:
         raise MeshError(
-            f"the object is {length:.0f} mm long, a foot has {_LENGTH_MM[0]:.0f} to {_LENGTH_MM[1]:.0f} mm; "
+            f"the object is {length:.0f} mm long, a foot has {FOOT_LENGTH_MM[0]:.0f} to {FOOT_LENGTH_MM[1]:.0f} mm; "
             "check that the lengths are in millimetres and that only a foot stands on the board"
         )
     if breadth < _LEAST_BREADTH * length:

@@ -14,6 +14,7 @@ FOOT_LENGTH_MM = (80.0, 400.0)
 """What is accepted as the length of a foot, a toddler's as well as the largest known."""
 
 _LIKELY_LENGTH_MM = (105.0, 345.0)
+_USUAL_LENGTH_MM = 255.0
 
 
 def mm_from_unit(unit: str) -> float:
@@ -27,12 +28,12 @@ def mm_from_unit(unit: str) -> float:
     return _MM_PER_UNIT[unit]
 
 
-def likely_unit(length: float) -> Unit | None:
-    """The unit in which a number would be a foot's length; None when there is none."""
-    for unit in UNITS:
-        if _LIKELY_LENGTH_MM[0] <= length * _MM_PER_UNIT[unit] <= _LIKELY_LENGTH_MM[1]:
-            return unit
-    return None
+def likely_units(length: float) -> tuple[Unit, ...]:
+    """The units in which a number would be a foot's length, the one nearest to a usual length first; may be none."""
+    lengths_mm: dict[Unit, float] = {unit: length * _MM_PER_UNIT[unit] for unit in UNITS}
+    fitting: list[Unit] = [unit for unit in UNITS if _LIKELY_LENGTH_MM[0] <= lengths_mm[unit] <= _LIKELY_LENGTH_MM[1]]
+    fitting.sort(key=lambda unit: abs(lengths_mm[unit] - _USUAL_LENGTH_MM))
+    return tuple(fitting)
 
 
 def check_foot_length(length_mm: float, unit: str = "mm") -> None:
@@ -49,6 +50,9 @@ def check_foot_length(length_mm: float, unit: str = "mm") -> None:
     if shortest <= length_mm <= longest:
         return
     length = length_mm / mm_from_unit(unit)
-    guess = likely_unit(length)
-    advice = f"in {_WORDS[guess]}? pass --unit {guess}" if guess else "check the unit, or that the file holds one foot"
+    advice = " ".join(
+        f"in {_WORDS[guess]} ({length * _MM_PER_UNIT[guess]:.0f} mm)? pass --unit {guess}"
+        for guess in likely_units(length)
+    )
+    advice = advice or "check the unit, or that the file holds one foot"
     raise MeshError(f"{length:.3g} {unit} long, a foot is {shortest:.0f} to {longest:.0f} mm: {advice}")

@@ -83,6 +83,17 @@ def test_a_foot_cut_at_100_mm_and_one_with_a_leg_agree_where_both_exist(foot, me
     assert measured["ankle_girth"].reliable
 
 
+def test_what_lies_just_below_a_cut_is_cut_off(foot, measured):
+    top = measured["instep_height"].value + 2.0
+
+    low = measure(mesh_from_shell(cut_below(shell_from_mesh(foot), top)), "right")
+
+    for name in ("instep_height", "instep_girth"):
+        assert not low[name].reliable
+        assert "cut off" in low[name].reason
+    assert low["foot_length"].reliable
+
+
 def test_half_the_points_keep_the_lengths(make_foot):
     fine, coarse = measure(make_foot(around=340, up=198), "right"), measure(make_foot(around=240, up=140), "right")
 

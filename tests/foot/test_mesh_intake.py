@@ -12,7 +12,7 @@ from footscan.foot.repair import repair_mesh
 from footscan.foot.shell import mesh_from_shell, shell_from_mesh
 from footscan.foot.skin_origin import Origin
 from footscan.foot.surface_files import save_surface_ply
-from footscan.foot.units import check_foot_length, likely_unit, mm_from_unit
+from footscan.foot.units import check_foot_length, likely_units, mm_from_unit
 
 
 def values(result):
@@ -213,12 +213,19 @@ def test_a_mesh_in_another_unit_is_refused_with_the_unit_it_probably_is(foot, un
 
 
 def test_the_refusal_of_metres_reads_as_promised():
-    with pytest.raises(MeshError, match=r"^0\.276 mm long, .*: in metres\? pass --unit m$"):
+    with pytest.raises(MeshError, match=r"^0\.276 mm long, .*: in metres \(276 mm\)\? pass --unit m$"):
         check_foot_length(0.276)
 
 
+def test_a_size_that_is_a_foot_in_two_units_names_both_and_the_more_usual_first():
+    with pytest.raises(
+        MeshError, match=r"inches \(277 mm\)\? pass --unit in .*centimetres \(109 mm\)\? pass --unit cm$"
+    ):
+        check_foot_length(10.9)
+
+
 def test_a_size_that_is_a_foot_in_no_unit_says_to_check():
-    assert likely_unit(3.2) is None
+    assert likely_units(3.2) == ()
     with pytest.raises(MeshError, match="check the unit"):
         check_foot_length(3.2)
 
@@ -279,3 +286,12 @@ def test_what_is_no_mesh_file_is_refused_in_words(tmp_path):
         load_foot_mesh(tmp_path / "notes.txt")
     with pytest.raises(MeshError, match=r"broken\.stl"):
         load_foot_mesh(tmp_path / "broken.stl")
+
+
+def test_a_binary_stl_that_was_cut_off_is_refused_as_such(foot, tmp_path):
+    path = tmp_path / "foot.stl"
+    foot.export(path)
+    path.write_bytes(path.read_bytes()[:5084])
+
+    with pytest.raises(MeshError, match=f"counts {len(foot.faces)} triangles, it holds 100;"):
+        load_foot_mesh(path)
