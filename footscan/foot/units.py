@@ -50,7 +50,7 @@ def check_foot_length(length_mm: float, unit: str = "mm") -> None:
     if shortest <= length_mm <= longest:
         return
     length = length_mm / mm_from_unit(unit)
-    advice = " ".join(
+    advice = " or ".join(
         f"in {_WORDS[guess]} ({length * _MM_PER_UNIT[guess]:.0f} mm)? pass --unit {guess}"
         for guess in likely_units(length)
     )
