@@ -14,7 +14,7 @@ from footscan.config.machine_models import (
     both_lasers_once,
     camera_table,
 )
-from footscan.config.toml_file import Strict, Table, load_file, toml_bytes, write_whole
+from footscan.config.toml_file import Strict, Table, load_file, toml_bytes, tuple_from_list, write_whole
 from footscan.geometry.plane import Plane
 from footscan.optics.calibration import Calibration, Pose
 from footscan.optics.sheet import LightPlane
@@ -85,10 +85,6 @@ class TimingModel(Strict):
     latency_s: float = Field(gt=-1, lt=1)
 
 
-def _listed(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
 class CalibrationModel(Strict):
     """The whole file. `quality` and `history` say where the numbers come from; the mathematics does not use them."""
 
@@ -97,7 +93,7 @@ class CalibrationModel(Strict):
     created: str
     camera: CameraModel
     pose: PoseModel
-    laser: Annotated[tuple[SheetModel, SheetModel], BeforeValidator(_listed)]
+    laser: Annotated[tuple[SheetModel, SheetModel], BeforeValidator(tuple_from_list)]
     floor: FloorModel
     encoder: CalibrationEncoderModel
     timing: TimingModel

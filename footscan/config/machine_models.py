@@ -1,11 +1,11 @@
 """The tables that scanner.toml and calibration.toml share, as pydantic models with their dataclasses."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from footscan.config.toml_file import Strict, Table
+from footscan.config.toml_file import Strict, Table, tuple_from_list
 from footscan.optics.calibration import EncoderScale
 from footscan.optics.camera import Camera
 
@@ -13,13 +13,9 @@ PixelPlace = Annotated[float, Field(gt=-20000, lt=40000)]
 Length = Annotated[float, Field(gt=-5000, lt=5000)]
 
 
-def _pair_or_triple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-PixelPair = Annotated[tuple[PixelPlace, PixelPlace], BeforeValidator(_pair_or_triple)]
-Triple = Annotated[tuple[float, float, float], BeforeValidator(_pair_or_triple)]
-LengthTriple = Annotated[tuple[Length, Length, Length], BeforeValidator(_pair_or_triple)]
+PixelPair = Annotated[tuple[PixelPlace, PixelPlace], BeforeValidator(tuple_from_list)]
+Triple = Annotated[tuple[float, float, float], BeforeValidator(tuple_from_list)]
+LengthTriple = Annotated[tuple[Length, Length, Length], BeforeValidator(tuple_from_list)]
 
 
 class CameraModel(Strict):

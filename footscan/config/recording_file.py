@@ -3,11 +3,11 @@
 from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from footscan.config.toml_file import Strict, Table, load_file, toml_bytes
+from footscan.config.toml_file import Strict, Table, load_file, toml_bytes, tuple_from_list
 
 Kind = Literal["scan", "calibration"]
 RecordingSide = Literal["right", "left", "none"]
@@ -39,10 +39,6 @@ class RecordingInfo:
     subject: Subject = field(default_factory=Subject)
 
 
-def _listed(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
 class SubjectModel(Strict):
     """`[subject]`."""
 
@@ -52,7 +48,7 @@ class SubjectModel(Strict):
     surface_mm: float | None = Field(default=None, ge=0, le=50)
     take: int | None = Field(default=None, ge=0)
     wedge_mm: float | None = Field(default=None, ge=0, le=150)
-    absent: Annotated[tuple[str, ...], BeforeValidator(_listed)] = ()
+    absent: Annotated[tuple[str, ...], BeforeValidator(tuple_from_list)] = ()
 
 
 class RecordingModel(Strict):

@@ -2,12 +2,12 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from footscan.config.machine_models import CameraModel, ScannerEncoderModel, both_lasers_once, camera_table
-from footscan.config.toml_file import Strict, load_file, toml_bytes
+from footscan.config.toml_file import Strict, load_file, toml_bytes, tuple_from_list
 from footscan.optics.head import Head
 from footscan.optics.scanner import LaserDesign, Scanner
 
@@ -36,10 +36,6 @@ class LaserModel(Strict):
     sweep: Literal["ccw", "cw"]
 
 
-def _listed(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
 class ScannerModel(Strict):
     """The whole file."""
 
@@ -47,7 +43,7 @@ class ScannerModel(Strict):
     machine_id: str | None = None
     camera: CameraModel
     head: HeadModel
-    laser: Annotated[tuple[LaserModel, LaserModel], BeforeValidator(_listed)]
+    laser: Annotated[tuple[LaserModel, LaserModel], BeforeValidator(tuple_from_list)]
     encoder: ScannerEncoderModel
 
     @model_validator(mode="after")

@@ -24,6 +24,11 @@ class Strict(BaseModel):
 Model = TypeVar("Model", bound=Strict)
 
 
+def tuple_from_list(value: Any) -> Any:
+    """A TOML array as the tuple that strict models ask for; anything else is left for them to refuse."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 def read_toml(path: Path) -> Table:
     """Read a TOML file into plain values.
 

@@ -130,9 +130,14 @@ def smooth_surface(
     """
     if length_mm < 0.0:
         raise ValueError(f"a smoothing length cannot be negative, found {length_mm} mm; 0 switches smoothing off")
-    smooth = surface.with_tube(flat_ends(smooth_tube(surface.tube, length_mm), surface.cut.z_mm))
+    smooth = smoothed(surface, length_mm)
     before, after = (_values(foot, measure, facet_mm) for foot in (surface, smooth))
     return SmoothedSurface(smooth, surface, before, after)
+
+
+def smoothed(surface: FootSurface, length_mm: float) -> FootSurface:
+    """The smoothed copy alone, its sole and cut kept flat."""
+    return surface.with_tube(flat_ends(smooth_tube(surface.tube, length_mm), surface.cut.z_mm))
 
 
 def smooth_tube(tube: SplineTube, length_mm: float) -> SplineTube:

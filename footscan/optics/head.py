@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footscan.coordinates import Floats
-from footscan.geometry.rigid import inverse_rigid, rigid
+from footscan.geometry.rigid import rigid
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,3 @@ def light_from_world_ideal(theta_rad: float, alpha_rad: float) -> Floats:
 def camera_from_world(theta_rad: float, phi_rad: float, sigma_rad: float, translation_mm: Floats) -> Floats:
     """Q, 4x4, of eq. (19)."""
     return rigid(rotation_camera_from_world(theta_rad, phi_rad, sigma_rad), translation_mm)
-
-
-def world_from_camera(theta_rad: float, phi_rad: float, sigma_rad: float, translation_mm: Floats) -> Floats:
-    """Q^-1, 4x4, of eq. (20)."""
-    return inverse_rigid(camera_from_world(theta_rad, phi_rad, sigma_rad, translation_mm))

@@ -17,8 +17,8 @@ from footscan.foot.measurements import Measurements, measure, measurements_json
 from footscan.foot.section_files import cut_stack, sections_dxf, stack_csv
 from footscan.foot.shell import shell_from_mesh
 from footscan.foot.skin_origin import Origin
-from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_tube
-from footscan.foot.surface import FootSurface, fit_foot_surface, flat_ends
+from footscan.foot.smoothing import FilterSettings, filter_cloud, smoothed
+from footscan.foot.surface import FootSurface, fit_foot_surface
 from footscan.foot.surface_files import save_surface_json, save_surface_ply, save_surface_stl
 from footscan.foot.surface_mesh import mesh_from_surface
 from footscan.scanning.cloud import Cloud
@@ -90,7 +90,7 @@ def _fit_and_measure(cloud: Cloud, side: Side | None, subject: Subject, settings
     with threadpool_limits(1):  # two BLAS threads that wait for each other are slower than one
         surface = fit_foot_surface(xyz, weight, laser)
         if settings.smooth_mm > 0.0:
-            surface = surface.with_tube(flat_ends(smooth_tube(surface.tube, settings.smooth_mm), surface.cut.z_mm))
+            surface = smoothed(surface, settings.smooth_mm)
     mesh = mesh_from_surface(surface)
     return MeasuredFoot(surface, mesh, measure(mesh, side, load=subject.load, absent=subject.absent), {})
 

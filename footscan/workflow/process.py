@@ -231,8 +231,7 @@ def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]
         "frames": {"seen": accounting.seen, "used": accounting.used, "rejected": dict(accounting.rejected)},
         "rejected_frames": accounting.details,
         "points": {
-            "right": points_per_laser(result.sweep)["right"],
-            "left": points_per_laser(result.sweep)["left"],
+            **points_per_laser(result.sweep),
             "outside_working_volume": accounting.points_outside_volume,
             "removed": dict(result.removed),
             "kept": len(result.cloud),

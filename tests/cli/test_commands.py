@@ -19,17 +19,13 @@ def footscan(*arguments, check=None):
     return done
 
 
+def process_scan(scan, out, *more):
+    calibration = scan / "truth-calibration.toml"
+    return footscan("process", scan, "--calibration", calibration, "--out", out, *more, check=0)
+
+
 def test_process_prints_one_json_object_and_nothing_else(small_scan, tmp_path):
-    done = footscan(
-        "process",
-        small_scan,
-        "--calibration",
-        small_scan / "truth-calibration.toml",
-        "--out",
-        tmp_path / "o",
-        "--json",
-        check=0,
-    )
+    done = process_scan(small_scan, tmp_path / "o", "--json")
 
     assert json.loads(done.stdout)["frames"]["used"] == 96
     assert done.stderr == "" or "Compiling" in done.stderr
@@ -37,17 +33,7 @@ def test_process_prints_one_json_object_and_nothing_else(small_scan, tmp_path):
 
 
 def test_process_tells_a_person_what_came_out(small_scan, tmp_path):
-    done = footscan(
-        "process",
-        small_scan,
-        "--calibration",
-        small_scan / "truth-calibration.toml",
-        "--out",
-        tmp_path / "o",
-        "--threshold",
-        "40",
-        check=0,
-    )
+    done = process_scan(small_scan, tmp_path / "o", "--threshold", "40")
 
     assert "96 frames, 96 used; threshold 40" in done.stdout
     assert "% assumed sole" in done.stdout
@@ -113,7 +99,7 @@ def test_simulate_writes_a_recording_that_info_finds_whole(tmp_path):
 @pytest.fixture(scope="module")
 def processed(small_scan, tmp_path_factory):
     out = tmp_path_factory.mktemp("processed") / "o"
-    footscan("process", small_scan, "--calibration", small_scan / "truth-calibration.toml", "--out", out, check=0)
+    process_scan(small_scan, out)
     return out
 
 
