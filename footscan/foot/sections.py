@@ -85,7 +85,7 @@ def measure_cut(shell: Shell, origin: Floats, normal: Floats) -> Section:
     """
     cut = cut_shell(shell, origin, normal)
     if len(cut.xyz) == 0:
-        raise MeshError("the plane does not meet the foot: give a point inside it as origin, in mm, where the mesh lies")
+        raise MeshError("the plane does not meet the foot: give a point inside it as origin, in mm")
     axes = np.stack(plane_axes(normal), axis=1)
     uv = (cut.xyz - origin) @ axes
     polylines, closed = _polylines(cut)
