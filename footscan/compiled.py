@@ -5,6 +5,7 @@ Nothing is compiled at import. `announce_compilation` tells a person why the fir
 
 import hashlib
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Generator
@@ -30,11 +31,19 @@ _FASTMATH = {"contract"}  # fused multiply-add only: NaN must keep its meaning
 
 
 def _sources_digest() -> str:
-    """Names, sizes and times of all sources: Numba alone would miss a change in what a cached function calls."""
+    """Of the sources with compiled loops and of what these import: Numba alone would miss a change in a callee."""
     root = Path(__file__).parent
-    stats = sorted((str(path.relative_to(root)), path.stat()) for path in root.rglob("*.py"))
-    text = "".join(f"{name} {stat.st_size} {stat.st_mtime_ns}\n" for name, stat in stats)
-    return hashlib.sha256(f"{root}\n{text}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(str(root).encode())
+    for path in _compiled_sources(root):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _compiled_sources(root: Path) -> list[Path]:
+    sources = {path: path.read_text(encoding="utf-8") for path in root.rglob("*.py")}
+    loops = {path for path, text in sources.items() if "from footscan.compiled import" in text}
+    imported = {name for path in loops for name in re.findall(r"^from footscan\.([\w.]+) import", sources[path], re.M)}
+    return sorted(loops | {root / f"{name.replace('.', '/')}.py" for name in imported} & sources.keys())
 
 
 def _use_own_cache() -> None:
