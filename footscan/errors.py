@@ -10,6 +10,13 @@ FootscanError
 |   `-- MeshError             a mesh or cloud that is no foot
 |-- StorageError              the disk is full or a place cannot be written  exit status 2
 |-- DeviceError               camera, encoder or outputs in trouble      exit status 3
+|   |-- CameraLostError       no frame came in time, or the camera is gone
+|   |-- EncoderLostError      the encoder is silent, jumps or counts the wrong way
+|   |-- OutputsLostError      the module does not answer or does not obey
+|   |-- HeadStalledError      the motor is on and the head does not turn
+|   |-- EmergencyStopError    the emergency stop is open
+|   |-- InterlockError        an output was asked for that is not allowed now
+|   `-- ThreadFailedError     a thread of the scan has ended unexpectedly
 `-- QualityError              a result refused by a quality gate         exit status 4
     |-- EmptyScanError        no laser stripe, or too little of one
     `-- PoorFitError          a calibration whose residuals are too large
@@ -57,6 +64,34 @@ class DeviceError(FootscanError):
     """A camera, encoder or output module is in trouble."""
 
     exit_status = 3
+
+
+class CameraLostError(DeviceError):
+    """No frame came in time, or the camera is gone."""
+
+
+class EncoderLostError(DeviceError):
+    """The encoder is silent, jumps or counts the wrong way."""
+
+
+class OutputsLostError(DeviceError):
+    """The output module does not answer or does not obey."""
+
+
+class HeadStalledError(DeviceError):
+    """The motor is on and the head does not turn as it should."""
+
+
+class EmergencyStopError(DeviceError):
+    """The emergency stop is open."""
+
+
+class InterlockError(DeviceError):
+    """An output was asked for that is not allowed now."""
+
+
+class ThreadFailedError(DeviceError):
+    """A thread of the scan has ended unexpectedly."""
 
 
 class QualityError(FootscanError):
