@@ -7,12 +7,15 @@ FootscanError
 |   |-- RecordingError        a recording is cut, tampered with or of another kind
 |   |-- StaleTableError       a calibration table of another calibration
 |   |-- MachineMismatchError  a calibration of another machine
-|   `-- MeshError             a mesh or cloud that is no foot
+|   |-- MeshError             a mesh or cloud that is no foot
+|   |-- RecordsError          the records are foreign, newer, damaged or busy
+|   `-- DuplicatePatientError a patient of that name and birth date is already there
 |-- StorageError              the disk is full or a place cannot be written  exit status 2
 |-- DeviceError               camera, encoder or outputs in trouble      exit status 3
 |   |-- CameraLostError       no frame came in time, or the camera is gone
 |   |-- EncoderLostError      the encoder is silent, jumps or counts the wrong way
 |   |-- OutputsLostError      the module does not answer or does not obey
+|   |-- WrongDeviceError      a device answers that is not as the rig file says
 |   |-- HeadStalledError      the motor is on and the head does not turn
 |   |-- EmergencyStopError    the emergency stop is open
 |   |-- InterlockError        an output was asked for that is not allowed now
@@ -56,6 +59,14 @@ class MeshError(InputError):
     """A mesh or cloud cannot be understood as a foot."""
 
 
+class RecordsError(InputError):
+    """The records of a data folder are foreign, newer than this program, damaged, or kept busy by another one."""
+
+
+class DuplicatePatientError(InputError):
+    """A patient of the same name and birth date is already kept; a person must say whether it is the same."""
+
+
 class StorageError(FootscanError):
     """A file could not be written; nothing half-written was left."""
 
@@ -76,6 +87,10 @@ class EncoderLostError(DeviceError):
 
 class OutputsLostError(DeviceError):
     """The output module does not answer or does not obey."""
+
+
+class WrongDeviceError(DeviceError):
+    """A device answers, but it is another one, or set up otherwise, than the rig file says."""
 
 
 class HeadStalledError(DeviceError):
