@@ -54,6 +54,7 @@ class Interlock:
         self._dangerous_since_s: float | None = None
         self._emergency = False
         self._io.set_outputs(ALL_OFF)
+        on_change(clock.now_s(), ALL_OFF)
 
     @property
     def armed(self) -> bool:

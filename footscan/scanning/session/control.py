@@ -1,0 +1,399 @@
+"""The control thread: owns camera, encoder and outputs; everybody else posts commands to it."""
+
+import contextlib
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from footscan.config.rig_file import MotionModel
+from footscan.coordinates import LaserName
+from footscan.devices.carriage import Carriage, Drive
+from footscan.devices.clock import Clock
+from footscan.devices.interlock import Interlock, InterlockLimits
+from footscan.devices.protocols import Camera, DigitalIo, Encoder
+from footscan.devices.values import CameraFrame
+from footscan.errors import DeviceError, EncoderLostError, FootscanError, InterlockError
+from footscan.optics.calibration import Calibration, EncoderScale
+from footscan.optics.scanner import Scanner
+from footscan.optics.tables import LightTable
+from footscan.scanning.session.angle_track import AngleTrack
+from footscan.scanning.session.grabber import Grabber
+from footscan.scanning.session.keeper import Keeper, LightLog
+from footscan.scanning.session.live import LiveView
+from footscan.scanning.session.machine import Machine, Program
+from footscan.scanning.session.queue_thread import failure_of_thread
+from footscan.scanning.session.states import BUSY, LiveCount, Snapshot, State
+from footscan.scanning.session.timeline import Timeline
+
+ROUND_S = 0.01
+STUCK_S = 2.0
+
+
+@dataclass(frozen=True)
+class RigDevices:
+    """The opened devices and the time they share."""
+
+    camera: Camera
+    encoder: Encoder
+    io: DigitalIo
+    clock: Clock
+
+
+@dataclass(frozen=True)
+class SessionSetup:
+    """What a session is about: the machine's design and motion, its calibration and tables if there are any."""
+
+    scanner: Scanner
+    motion: MotionModel
+    calibration: Calibration | None
+    tables: dict[LaserName, LightTable] | None
+
+
+class Ticket:
+    """What became of a posted command."""
+
+    def __init__(self) -> None:
+        self._done = threading.Event()
+        self.error: FootscanError | None = None
+
+    def settle(self, error: FootscanError | None = None) -> None:
+        """It is over."""
+        if not self._done.is_set():
+            self.error = error
+            self._done.set()
+
+    @property
+    def done(self) -> bool:
+        """It is over, well or not."""
+        return self._done.is_set()
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Wait until it is over; False if it took too long.
+
+        Raises:
+            FootscanError: It went wrong.
+        """
+        done = self._done.wait(timeout_s)
+        if self.error is not None:
+            raise self.error
+        return done
+
+
+def drive_of(scanner: Scanner, motion: MotionModel) -> Drive:
+    """The head's drive by its rig file."""
+    low, high = np.deg2rad(motion.travel_deg)
+    encoder = scanner.encoder
+    return Drive(
+        tuple(float(speed) for speed in np.deg2rad(motion.speeds_deg_per_s)),
+        float(np.deg2rad(motion.acceleration_deg_per_s2)),
+        (float(low), float(high)),
+        encoder.steps_per_rev,
+        encoder.zero_count,
+        encoder.direction,
+    )
+
+
+class Session:
+    """The machine in use. `post_` methods may be called from any thread and return at once; outputs start off."""
+
+    def __init__(self, devices: RigDevices, setup: SessionSetup) -> None:
+        self._devices, self.setup = devices, setup
+        self.clock = devices.clock
+        self._log = LightLog(Timeline(None), Timeline(None), Timeline(False))
+        self._track = AngleTrack(_encoder_scale(setup))
+        self._commands: deque[tuple[Callable[[Machine], Program | None], Ticket, bool]] = deque()
+        self._program: Program | None = None
+        self._ticket: Ticket | None = None
+        self._quit = False
+        self._watched_until_s: float | None = None
+        self._button_was = False
+        self._frames_seen = -1
+        self._thread = threading.Thread(name="control", target=self._run, daemon=True)
+        self._machine = self._build()
+        self._snapshot = self._take_snapshot()
+
+    def start(self) -> None:
+        """Let the threads run."""
+        self.clock.join()
+        for thread in self._helpers():
+            thread.start()
+        self._thread.start()
+
+    @property
+    def live(self) -> LiveView | None:
+        """The live view, None without a calibration."""
+        return self._machine.live
+
+    @property
+    def grabber(self) -> Grabber:
+        """The newest frame is here."""
+        return self._machine.grabber
+
+    def snapshot(self) -> Snapshot:
+        """The machine at the end of the last round."""
+        return self._snapshot
+
+    def post(self, command: Callable[[Machine], Program | None], interrupts: bool = False) -> Ticket:
+        """Give the control thread something to do: a program, or one thing done at once.
+
+        Args:
+            command: Called with the machine, on the control thread; a program it returns is run to its end.
+            interrupts: It may be done while a program runs.
+        """
+        ticket = Ticket()
+        if not self._thread.is_alive() and self._thread.ident is not None:
+            ticket.settle(DeviceError("the machine is closed; start the program again."))
+            return ticket
+        self._commands.append((command, ticket, interrupts))
+        self.clock.notify()
+        return ticket
+
+    def post_arm(self, no_faces_at_beam_height: bool) -> Ticket:
+        """Allow lasers and motor."""
+        return self.post(lambda machine: machine.interlock.arm(no_faces_at_beam_height))
+
+    def post_reset(self) -> Ticket:
+        """A person has looked at the machine after a fault or an emergency stop."""
+        return self.post(self._reset, interrupts=True)
+
+    def post_cancel(self, why: str = "stopped by the operator") -> Ticket:
+        """Stop whatever runs, now; what was captured is kept."""
+        return self.post(lambda machine: self._cancel(machine, why), interrupts=True)
+
+    def watch(self, seconds: float | None) -> None:
+        """Stop by itself unless this is called again within some seconds (None: nobody has to watch)."""
+        self._watched_until_s = None if seconds is None else self.clock.now_s() + seconds
+
+    def close(self) -> None:
+        """Everything off, threads ended, devices given back; safe to call twice and from any thread."""
+        self._quit = True
+        self.clock.notify()
+        if self._thread.ident is not None:
+            self._thread.join()
+        else:
+            self._give_back()
+
+    def _helpers(self) -> list[threading.Thread]:
+        machine = self._machine
+        live = [] if machine.live is None else [machine.live.thread]
+        return [machine.grabber, machine.keeper.thread, *live]
+
+    def _build(self) -> Machine:
+        devices, setup = self._devices, self.setup
+        limits = InterlockLimits(setup.motion.watchdog_s, setup.motion.max_on_s)
+        interlock = Interlock(devices.io, devices.clock, limits, self._log.light.note)
+        carriage = Carriage(devices.encoder, interlock, drive_of(setup.scanner, setup.motion), devices.clock)
+        facts = devices.camera.facts()
+        live = self._build_live()
+        keeper = self._build_keeper(live)
+        grabber = Grabber(devices.camera, devices.clock, self._hand_on)
+        inputs = devices.io.read_inputs()
+        return Machine(
+            devices.clock,
+            interlock,
+            carriage,
+            setup.motion,
+            setup.scanner,
+            facts,
+            grabber,
+            keeper,
+            live,
+            self._log,
+            setup.calibration,
+            inputs,
+        )
+
+    def _build_live(self) -> LiveView | None:
+        calibration, tables = self.setup.calibration, self.setup.tables
+        if calibration is None or tables is None:
+            return None
+        return LiveView(self.clock, tables, self._track, calibration.latency_s)
+
+    def _build_keeper(self, live: LiveView | None) -> Keeper:
+        facts = self._devices.camera.facts()
+        return Keeper(self.clock, facts.width_px * facts.height_px, self._log, self._track, live)
+
+    def _hand_on(self, frame: CameraFrame) -> None:
+        self._machine.keeper.offer(frame)
+
+    def _run(self) -> None:
+        machine = self._machine
+        try:
+            next_s = self.clock.now_s()
+            while not self._quit:
+                self._round(machine)
+                self._snapshot = self._take_snapshot()
+                next_s = max(next_s + ROUND_S, self.clock.now_s())
+                self.clock.wait(next_s, self._something_to_do)
+        except Exception as err:  # noqa: BLE001 - whatever it is, lasers and motor go off
+            self._fail(failure_of_thread("controls the machine", err))
+        finally:
+            self._stop_program(None)
+            self._give_back()
+            if machine.state is not State.FAULT:
+                machine.say(State.CLOSED)
+            self._snapshot = self._take_snapshot()
+            for _, ticket, _ in self._commands:
+                ticket.settle(DeviceError("the machine is closed; start the program again."))
+            self.clock.leave()
+
+    def _something_to_do(self) -> bool:
+        return bool(self._commands) or self._quit or self._machine.grabber.arrived != self._frames_seen
+
+    def _round(self, machine: Machine) -> None:
+        """One round: look, check, obey, go on."""
+        self._frames_seen = machine.grabber.arrived
+        for step in (self._look, self._obey_commands, self._go_on):
+            try:
+                step(machine)
+            except FootscanError as err:
+                self._fail(err)
+
+    def _look(self, machine: Machine) -> None:
+        samples = machine.carriage.update()
+        self._track.add(samples)
+        machine.keeper.add_counts(samples)
+        machine.inputs = self._devices.io.read_inputs()
+        self._refuse_dead_threads(machine)
+        machine.interlock.check(machine.inputs, machine.carriage.moving)
+        self._obey_button(machine)
+        self._mind_the_watch(machine)
+
+    def _refuse_dead_threads(self, machine: Machine) -> None:
+        for thread in (machine.grabber, machine.keeper.thread, *([machine.live.thread] if machine.live else [])):
+            if thread.failure is not None:
+                raise thread.failure
+
+    def _obey_button(self, machine: Machine) -> None:
+        pressed, self._button_was = machine.inputs.button and not self._button_was, machine.inputs.button
+        if pressed and machine.state in BUSY:
+            self._cancel(machine, "stopped by the button on the machine")
+
+    def _obey_commands(self, machine: Machine) -> None:
+        for _ in range(len(self._commands)):
+            command, ticket, interrupts = self._commands.popleft()
+            try:
+                self._refuse_command(machine, interrupts)
+                program = command(machine)
+            except FootscanError as err:
+                ticket.settle(err)
+                continue
+            if program is None:
+                ticket.settle()
+            else:
+                self._program, self._ticket = program, ticket
+
+    def _refuse_command(self, machine: Machine, interrupts: bool) -> None:
+        if interrupts:
+            return
+        if self._program is not None:
+            raise InterlockError(f"the machine is busy ({machine.state.value}); wait, or stop it first.")
+        if machine.state is State.FAULT:
+            raise InterlockError(f"there is a fault: {machine.message} Put it right, then reset.")
+
+    def _mind_the_watch(self, machine: Machine) -> None:
+        until_s = self._watched_until_s
+        if until_s is not None and self.clock.now_s() > until_s and machine.interlock.armed:
+            self._watched_until_s = None
+            self._cancel(machine, "stopped: nobody watches the machine any more (the page was closed or froze)")
+
+    def _go_on(self, machine: Machine) -> None:
+        if self._program is None:
+            return
+        try:
+            next(self._program)
+        except StopIteration:
+            ticket, self._program, self._ticket = self._ticket, None, None
+            if ticket is not None:
+                ticket.settle()
+
+    def _cancel(self, machine: Machine, why: str) -> None:
+        machine.carriage.forget_command()
+        machine.interlock.disarm()
+        self._stop_program(InterlockError(f"{why}."))
+        machine.say(State.STOPPED, f"{why}; lasers and motor are off, what was captured is kept.")
+
+    def _reset(self, machine: Machine) -> None:
+        machine.interlock.reset_emergency()
+        self._replace_dead_threads(machine)
+        machine.say(State.PARKED if machine.carriage.homed else State.CONNECTED)
+
+    def _replace_dead_threads(self, machine: Machine) -> None:
+        """New threads for those that ended: the cable is in again, the disk has room again."""
+        if machine.live is not None and machine.live.thread.failure is not None:
+            machine.live = self._build_live()
+        if machine.keeper.thread.failure is not None or machine.keeper.outdated(machine.live):
+            machine.keeper.thread.finish()
+            machine.keeper = self._build_keeper(machine.live)
+        if machine.grabber.failure is not None or not machine.grabber.is_alive():
+            machine.grabber = Grabber(self._devices.camera, self.clock, self._hand_on)
+        for thread in self._helpers():
+            if thread.ident is None:
+                thread.start()
+
+    def _fail(self, err: FootscanError) -> None:
+        """Everything off first, then tell; of a row of faults the first one is told."""
+        machine = self._machine
+        with contextlib.suppress(DeviceError):  # a dead module is the fault itself; its own watchdog switches off
+            machine.interlock.all_off()
+        machine.carriage.forget_command()
+        if isinstance(err, EncoderLostError):
+            machine.carriage.lose_home()
+        self._stop_program(err)
+        if machine.keeper.thread.failure is not None:
+            machine.keeper.abandon()
+        if machine.state is not State.FAULT:
+            machine.say(State.FAULT, str(err))
+
+    def _stop_program(self, err: FootscanError | None) -> None:
+        program, ticket, self._program, self._ticket = self._program, self._ticket, None, None
+        if program is not None:
+            with contextlib.suppress(FootscanError, StopIteration):
+                if err is None:
+                    program.close()
+                else:
+                    program.throw(err)
+        if ticket is not None:
+            ticket.settle(err or InterlockError("the machine was closed meanwhile."))
+
+    def _give_back(self) -> None:
+        machine = self._machine
+        machine.interlock.close()
+        machine.grabber.finish()
+        machine.keeper.end()
+        self._devices.camera.close()
+        for thread in (machine.keeper.thread, *([machine.live.thread] if machine.live else [])):
+            thread.finish()
+        self.clock.leave()  # the others may need the time this thread would keep still
+        for thread in self._helpers():
+            if thread.ident is not None:
+                thread.join(STUCK_S)
+        self.clock.join()
+        if machine.keeper.thread.failure is not None:
+            machine.keeper.abandon()
+        self._devices.encoder.close()
+
+    def _take_snapshot(self) -> Snapshot:
+        machine = self._machine
+        outputs = machine.interlock.outputs
+        return Snapshot(
+            machine.state,
+            machine.message,
+            float(np.rad2deg(machine.carriage.theta_rad)) if machine.carriage.homed else None,
+            outputs.lasers,
+            outputs.motor_run,
+            machine.interlock.armed,
+            machine.inputs.estop_ok,
+            machine.progress,
+            machine.remaining_s,
+            machine.keeper.count(),
+            machine.live.count() if machine.live else LiveCount(),
+            machine.findings,
+        )
+
+
+def _encoder_scale(setup: SessionSetup) -> EncoderScale:
+    return setup.scanner.encoder if setup.calibration is None else setup.calibration.encoder

@@ -1,0 +1,209 @@
+"""What the head does, step by step: home, scan, hold a laser on. Each step is one round of the control thread."""
+
+import contextlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from footscan.config import RecordingInfo, scanner_toml
+from footscan.coordinates import LaserName
+from footscan.devices.interlock import Purpose
+from footscan.errors import DeviceError, FootscanError, HeadStalledError, StorageError
+from footscan.scanning.recording import FrameSweep
+from footscan.scanning.session.machine import Machine, Program
+from footscan.scanning.session.plan import REST_S, ScanPlan, SweepLeg
+from footscan.scanning.session.session_file import save_outcome
+from footscan.scanning.session.states import State
+
+COUNTDOWN_S = 3.0
+_BEEP_S = 0.15
+_WRITING_S = 60.0
+HOLD_AT_MOST_S = 60.0
+
+
+@dataclass(frozen=True)
+class ScanOrder:
+    """One scan as asked for: where its recording goes, of whom, and how.
+
+    Attributes:
+        folder: Of the recording.
+        info: What is written about it.
+        plan: Sweeps, lasers, speed.
+        countdown_s: Between Start and the first beam.
+    """
+
+    folder: Path
+    info: RecordingInfo
+    plan: ScanPlan
+    countdown_s: float = COUNTDOWN_S
+
+
+def home(machine: Machine) -> Program:
+    """Find the home switch and park: from then on the counter reads what the calibration means."""
+    machine.say(State.HOMING)
+    carriage = machine.carriage
+    carriage.lose_home()
+    top = len(machine.motion.speeds_deg_per_s) - 1
+    if not machine.inputs.home:
+        carriage.turn(ccw=False, speed_step=top)
+        yield from machine.until(lambda: machine.inputs.home, _search_s(machine, top), lambda: _no_home(machine))
+        yield from machine.come_to_rest()
+    carriage.turn(ccw=True, speed_step=0)
+    before_s, gives_up_s = machine.inputs.time_s, machine.clock.now_s() + _search_s(machine, 0)
+    while machine.inputs.home:
+        before_s = machine.inputs.time_s
+        if machine.clock.now_s() > gives_up_s:
+            raise _no_home(machine)
+        yield
+    edge_s = 0.5 * (before_s + machine.inputs.time_s)
+    carriage.set_home(home_count(machine), carriage.count_at(edge_s))
+    yield from machine.come_to_rest()
+    yield from machine.go_to(machine.park_rad)
+    machine.say(State.PARKED)
+
+
+def home_count(machine: Machine) -> int:
+    """What the counter reads where the home switch opens: by the machine's design."""
+    drive = machine.carriage.drive
+    turns = machine.motion.home_deg / 360.0
+    return drive.zero_count + round(drive.direction * turns * drive.steps_per_rev)
+
+
+def _search_s(machine: Machine, speed_step: int) -> float:
+    low, high = machine.motion.travel_deg
+    return 1.3 * (high - low) / machine.motion.speeds_deg_per_s[speed_step] + 2.0
+
+
+def _no_home(machine: Machine) -> DeviceError:
+    return HeadStalledError(
+        f"the home switch did not change while the head turned {'' if machine.inputs.home else 'clockwise '}through "
+        "its whole travel; check the switch, its cable and its input in the rig file."
+    )
+
+
+def scan(machine: Machine, order: ScanOrder) -> Program:
+    """A whole scan: countdown, the sweeps, the way back; whatever ends it, what was captured is kept."""
+    plan, keeper = order.plan, machine.keeper
+    outcome = "cancelled"
+    yield from machine.go_to(machine.park_rad)
+    yield from _countdown(machine, order.countdown_s)
+    step_rad = plan.asked_step_rad if plan.at_requested_angles else None
+    keeper.begin(
+        order.folder, order.info, scanner_toml(machine.scanner), machine.timing, plan.unlit_every > 1, step_rad
+    )
+    if machine.live is not None:
+        machine.live.clear()
+    try:
+        begun_s = machine.clock.now_s()
+        for leg in plan.legs:
+            machine.say(State.SCANNING)
+            yield from _leg(machine, plan, leg, begun_s)
+        outcome = "complete"
+    except FootscanError as err:
+        outcome = f"broken off: {err}"
+        raise
+    finally:
+        machine.take_for(None)
+        keeper.end()
+        with contextlib.suppress(StorageError):  # a full disk has been told already; the frames matter more
+            save_outcome(order.folder, outcome, plan)
+    yield from machine.until(lambda: keeper.finished, _WRITING_S, lambda: _not_written(order.folder))
+    save_outcome(order.folder, outcome, plan, keeper.count())
+    machine.say(State.RETURNING)
+    yield from machine.go_to(machine.park_rad)
+    machine.progress, machine.remaining_s = 1.0, 0.0
+    machine.say(State.DONE)
+
+
+def _not_written(folder: Path) -> FootscanError:
+    return StorageError(f"the last frames of {folder} are still not written after {_WRITING_S:g} s; check the disk.")
+
+
+def _countdown(machine: Machine, seconds: float) -> Program:
+    machine.say(State.COUNTDOWN)
+    ends_s = machine.clock.now_s() + seconds
+    while machine.clock.now_s() < ends_s:
+        left_s = ends_s - machine.clock.now_s()
+        machine.remaining_s = left_s
+        beeping = (left_s % 1.0) > 1.0 - _BEEP_S
+        if beeping != machine.interlock.outputs.buzzer:
+            machine.sound(beeping)
+        yield
+    if machine.interlock.outputs.buzzer:
+        machine.sound(False)
+
+
+def _leg(machine: Machine, plan: ScanPlan, leg: SweepLeg, begun_s: float) -> Program:
+    sign = 1.0 if leg.ccw else -1.0
+    low, high = plan.sweep_rad
+    ends_rad = high if leg.ccw else low
+    sweep: FrameSweep = "ccw" if leg.ccw else "cw"
+    carriage = machine.carriage
+    carriage.turn(leg.ccw, plan.speed_step)
+    light = _LightInTurn(machine, plan, leg)
+    machine.take_for(sweep)
+    gives_up_s = machine.clock.now_s() + 1.5 * np.ptp(plan.sweep_rad) / plan.speed_rad_s + 3.0
+    while sign * (ends_rad - carriage.theta_rad) > 0.0:
+        light.step()
+        _tell_progress(machine, plan, begun_s)
+        if machine.clock.now_s() > gives_up_s:
+            raise HeadStalledError("the head did not finish its turn in time; check motor and belt.")
+        yield
+    light.note_blocked(False)
+    yield from machine.come_to_rest()
+    yield from machine.pause(0.3 * REST_S)
+
+
+def _tell_progress(machine: Machine, plan: ScanPlan, begun_s: float) -> None:
+    since_s = machine.clock.now_s() - begun_s
+    machine.remaining_s = max(plan.duration_s - since_s, 0.0)
+    machine.progress = min(since_s / plan.duration_s, 1.0)
+
+
+class _LightInTurn:
+    """Which laser shines for the next frame: one, or several in turn, sometimes none, never in a blocked sector."""
+
+    def __init__(self, machine: Machine, plan: ScanPlan, leg: SweepLeg) -> None:
+        self._machine, self._plan, self._leg = machine, plan, leg
+        self._for_frame = -1
+        self._turn = 0
+        self._blocked = False
+
+    def step(self) -> None:
+        """Once per round: switch the light when a frame has come in, so that the next one has its own."""
+        theta = self._machine.carriage.theta_rad
+        self.note_blocked(any(first <= theta <= last for first, last in self._plan.blocked_rad))
+        arrived = self._machine.grabber.arrived
+        if arrived == self._for_frame and not self._blocked:
+            return
+        self._for_frame = arrived
+        wanted = () if self._blocked else self._next()
+        if wanted != self._machine.interlock.outputs.lasers:
+            self._machine.shine(wanted)
+
+    def note_blocked(self, blocked: bool) -> None:
+        """Beams stay off here, and frames are named so."""
+        if blocked != self._blocked:
+            self._blocked = blocked
+            self._machine.log.blocked.note(self._machine.clock.now_s(), blocked)
+
+    def _next(self) -> tuple[LaserName, ...]:
+        every = self._plan.unlit_every
+        if every > 1 and self._for_frame % every == 0:
+            return ()
+        self._turn += 1
+        return (self._leg.lasers[self._turn % len(self._leg.lasers)],)
+
+
+def hold(machine: Machine, lasers: tuple[LaserName, ...]) -> Program:
+    """Lasers on at rest while somebody keeps asking for it (`Held` renewed each second)."""
+    machine.say(State.HOLDING)
+    ends_s = machine.clock.now_s() + HOLD_AT_MOST_S
+    try:
+        machine.shine(lasers, Purpose.HELD)
+        while machine.clock.now_s() < ends_s:
+            yield
+    finally:
+        machine.quiet()
+    machine.say(State.PARKED if machine.carriage.homed else State.CONNECTED)
