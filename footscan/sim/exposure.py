@@ -20,6 +20,7 @@ def normal_quantiles() -> Floats32:
 def expose(
     ambient: Floats32,
     laser: Floats32,
+    brightness: float,
     speckle: float,
     electrons_per_grey: float,
     read_noise: float,
@@ -33,6 +34,7 @@ def expose(
     Args:
         ambient: `(height, width)` ambient light, grey values.
         laser: `(height, width)` laser light, grey values; may go beyond 255.
+        brightness: Factor on all light.
         speckle: Standard deviation of the laser light relative to itself, per pixel.
         electrons_per_grey: Shot noise has the variance grey / electrons_per_grey; 0 is none.
         read_noise: Standard deviation, grey values.
@@ -48,8 +50,8 @@ def expose(
         for column in range(frame.shape[1]):
             state += np.uint64(0x9E3779B97F4A7C15)
             random = _mixed(state)
-            light = laser[row, column]
-            grey = ambient[row, column]
+            light = brightness * laser[row, column]
+            grey = brightness * ambient[row, column]
             if light > 0.0:
                 grey += light * max(np.float32(1.0) + np.float32(speckle) * quantiles[random & mask], np.float32(0.0))
             noise = np.float32(np.sqrt(read_noise * read_noise + shot * grey))

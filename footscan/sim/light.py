@@ -9,6 +9,7 @@ import numpy as np
 
 from footscan.compiled import compiled, compiled_inline
 from footscan.coordinates import Floats, Floats32
+from footscan.sim.board_print import Print, laser_share
 from footscan.sim.depth import is_seen
 from footscan.sim.optics_loops import project
 from footscan.sim.shadow import is_lit
@@ -29,6 +30,7 @@ NUMBERS = 8
 @compiled
 def draw_light(
     pieces: Floats,
+    tone: Floats,
     begin: int,
     end: int,
     z_light: float,
@@ -39,12 +41,14 @@ def draw_light(
     lens: Floats,
     nearest_to_laser: Floats,
     nearest_to_camera: Floats32,
+    printed: Print,
     picture: Floats32,
 ) -> None:
     """Add the light of one layer of the sheet on some pieces of its curve.
 
     Args:
         pieces: `(n, 7)` of `cut.Cut`.
+        tone: `(n,)` light that comes back from each piece, relative to the grey value of its surface.
         begin: First piece to draw.
         end: One after the last.
         z_light: Distance of the layer from the middle of the sheet, mm.
@@ -57,12 +61,18 @@ def draw_light(
         lens: `lens_numbers`.
         nearest_to_laser: `find_nearest` of this layer.
         nearest_to_camera: Depth picture.
+        printed: What is printed on the surface; its matrix comes from the light system.
         picture: `(height, width)` grey values, changed.
     """
     laser_x, laser_y, spread = numbers[LASER_X], numbers[LASER_Y], numbers[SPREAD_SHARE]
+    has_print, eye_x, eye_z = printed[1].size > 0, 0.0, 0.0
+    if has_print:
+        m = printed[0]
+        eye_x = m[0, 0] * eye[0] + m[0, 1] * eye[1] + m[0, 2] * eye[2] + m[0, 3]
+        eye_z = m[2, 0] * eye[0] + m[2, 1] * eye[1] + m[2, 2] * eye[2] + m[2, 3]
     for i in range(begin, end):
         piece = pieces[i]
-        grey = _grey_of_surface(piece, z_light, numbers, eye)
+        grey = tone[i] * _grey_of_surface(piece, z_light, numbers, eye)
         if grey <= 0.0:
             continue
         strokes, light, uu, uv, vv, wide = _strokes(piece, z_light, grey, numbers, camera_from_light, lens)
@@ -75,9 +85,10 @@ def draw_light(
                 continue
             u, v, inverse = project(x, y, z_light, camera_from_light, lens)
             if is_seen(u, v, inverse, nearest_to_camera):
-                add_spot(picture, u, v, light * (1.0 - spread), uu, uv, vv)
+                here = light * laser_share(x, y, z_light, eye_x, eye_z, printed) if has_print else light
+                add_spot(picture, u, v, here * (1.0 - spread), uu, uv, vv)
                 if spread > 0.0:
-                    add_spot(picture, u, v, light * spread, uu + wide, uv, vv + wide)
+                    add_spot(picture, u, v, here * spread, uu + wide, uv, vv + wide)
 
 
 @compiled

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from footscan.coordinates import WORKING_RADIUS_MM, Floats, Ints, Side
+from footscan.coordinates import WORKING_RADIUS_MM, Floats, Side
 from footscan.errors import InputError
 from footscan.sim.foot import FootShape, build_foot
-from footscan.sim.surface import Surface, load_surface, stand_on_board, surface_from_trimesh
+from footscan.sim.surface import Surface, grid_faces, load_surface, stand_on_board, surface_from_trimesh
 
 OBJECT_NAMES = ("foot", "sphere", "ball-bar", "plane", "cylinder")
 
@@ -70,7 +70,7 @@ def build_plate(centre_world: Floats, normal: Floats, half_mm: float, step_mm: f
     count = int(np.ceil(2.0 * half_mm / step_mm)) + 1
     s, t = (axis.ravel() for axis in np.meshgrid(*[np.linspace(-half_mm, half_mm, count)] * 2, indexing="ij"))
     xyz_world = centre_world + s[:, None] * one + t[:, None] * two
-    return Surface(np.ascontiguousarray(xyz_world), _grid_faces(count, count), closed=False)
+    return Surface(np.ascontiguousarray(xyz_world), grid_faces(count, count), closed=False)
 
 
 def build_cylinder(radius_mm: float, height_mm: float) -> Surface:
@@ -108,10 +108,3 @@ def _across(up: Floats) -> tuple[Floats, Floats]:
     one = one / np.sqrt(one @ one)
     two = np.array([y * one[2] - z * one[1], z * one[0] - x * one[2], x * one[1] - y * one[0]])
     return one, two
-
-
-def _grid_faces(rows: int, columns: int) -> Ints:
-    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    first = np.stack([corner, corner + columns, corner + columns + 1], axis=1)
-    second = np.stack([corner, corner + columns + 1, corner + 1], axis=1)
-    return np.concatenate([first, second])

@@ -6,7 +6,7 @@ made by an independent ray tracer of the same machine end. The light is a fan in
 laser: half shadows are not drawn. Nor is the motion of the head during the exposure.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,77 +17,44 @@ from footscan.optics.calibration import camera_from_world
 from footscan.optics.camera import ray_from_pixel
 from footscan.optics.sheet import world_from_light
 from footscan.sim import light
+from footscan.sim.board import PrintedBoard
+from footscan.sim.board_picture import draw_print
+from footscan.sim.board_print import Print, no_print
 from footscan.sim.cut import Cut, cut_mesh
-from footscan.sim.depth import draw_board, draw_mesh
+from footscan.sim.depth import draw_board, draw_mesh, shade_faces
 from footscan.sim.exposure import expose, normal_quantiles
 from footscan.sim.optics_loops import lens_numbers, project_points
+from footscan.sim.picture_settings import DEFAULT_PICTURE, PictureSettings, without_noise
 from footscan.sim.shadow import SLOPES, find_nearest
+from footscan.sim.sheet_light import cut_footboard, floor_in_light, split_sheet
 from footscan.sim.surface import Surface
 
+__all__ = ["DEFAULT_PICTURE", "Lit", "Painter", "PictureSettings", "split_sheet", "without_noise"]
 
-@dataclass(frozen=True)
-class PictureSettings:
-    """Light, surfaces and sensor.
+Lit = LaserName | tuple[LaserName, ...] | None
+"""The lasers that are on: one, some, or none (None or an empty tuple)."""
 
-    Attributes:
-        laser_distance_mm: From the axis, along the sheet.
-        laser_height_mm: Above the board.
-        sheet_sigma_mm: Half width of the sheet (standard deviation) on a surface facing it.
-        layers: Thin sheets the sheet is made of: 1, or at least 5.
-        skin_grey: Grey value of laser light on skin that faces the laser at the axis, before the blur.
-        board_grey: The same for the footboard.
-        spread_share: Share of the light that comes back from inside the skin.
-        spread_mm: How far (standard deviation).
-        blur_px: Blur of the lens and of the pixels' own width (standard deviation).
-        ambient_skin_grey: Ambient light on skin facing the lamps above; a third of it where turned away.
-        ambient_board_grey: Ambient light on the board.
-        board_radius_mm: Radius of the round footboard.
-        speckle: Standard deviation of laser light relative to itself, per pixel.
-        electrons_per_grey: For shot noise.
-        read_noise_grey: Standard deviation.
-        black_level: Smaller grey values are written as 0.
-    """
-
-    laser_distance_mm: float = 560.0
-    laser_height_mm: float = 375.0
-    sheet_sigma_mm: float = 0.35
-    layers: int = 5
-    skin_grey: float = 400.0
-    board_grey: float = 175.0
-    spread_share: float = 0.06
-    spread_mm: float = 1.2
-    blur_px: float = 0.7
-    ambient_skin_grey: float = 17.0
-    ambient_board_grey: float = 7.0
-    board_radius_mm: float = 300.0
-    speckle: float = 0.10
-    electrons_per_grey: float = 60.0
-    read_noise_grey: float = 1.2
-    black_level: int = 16
-
-
-DEFAULT_PICTURE = PictureSettings()
-
-
-def without_noise(settings: PictureSettings = DEFAULT_PICTURE) -> PictureSettings:
-    """The same light on a perfect sensor and without speckle, ambient light and spread: for checks of the geometry."""
-    return replace(
-        settings,
-        spread_share=0.0,
-        ambient_skin_grey=0.0,
-        ambient_board_grey=0.0,
-        speckle=0.0,
-        electrons_per_grey=0.0,
-        read_noise_grey=0.0,
-        black_level=0,
-    )
+_LAMP = np.array([0.25, 0.15, 0.96]) / np.sqrt(0.25**2 + 0.15**2 + 0.96**2)
 
 
 class Painter:
-    """Takes frames of one surface by one machine, with buffers that are allocated once; one per thread."""
+    """Takes frames of one surface by one machine, with buffers that are allocated once; one per thread.
+
+    Args:
+        machine: The true machine.
+        surface: What stands on its board, in world millimetres.
+        settings: Light, surfaces and sensor.
+        seed: Of speckle and noise.
+        tone: `(m,)` brightness of each face relative to skin, under any light; all skin if not given.
+    """
 
     def __init__(
-        self, machine: Calibration, surface: Surface, settings: PictureSettings = DEFAULT_PICTURE, seed: int = 0
+        self,
+        machine: Calibration,
+        surface: Surface,
+        settings: PictureSettings = DEFAULT_PICTURE,
+        seed: int = 0,
+        tone: Floats | None = None,
     ) -> None:
         self.machine = machine
         self.surface = surface
@@ -97,15 +64,50 @@ class Painter:
         shape = (camera.height_px, camera.width_px)
         self._lens = lens_numbers(camera)
         self._rays = _slopes_of_pixels(camera)
-        self._shade = _ambient_shade(surface, settings)
+        self._tone = np.ones(len(surface.faces)) if tone is None else np.ascontiguousarray(tone, dtype=np.float64)
         self._quantiles = normal_quantiles()
+        self._printed: PrintedBoard | None = None
+        self._shade: Floats32 = np.empty(len(surface.faces), dtype=np.float32)
         self._image = np.empty((len(surface.xyz_world), 3))
         self._nearest_to_laser = np.empty(SLOPES)
         self._nearest_to_camera: Floats32 = np.empty(shape, dtype=np.float32)
         self._ambient: Floats32 = np.empty(shape, dtype=np.float32)
         self._light: Floats32 = np.empty(shape, dtype=np.float32)
+        self.set_vertices(surface.xyz_world)
 
-    def paint(self, theta_rad: float, laser: LaserName | None, number: int = 0) -> Frame:
+    @classmethod
+    def of_board(
+        cls, machine: Calibration, board: PrintedBoard, settings: PictureSettings = DEFAULT_PICTURE, seed: int = 0
+    ) -> "Painter":
+        """A painter of a printed board: its print, black and white, is drawn on the plate; paper spreads no light."""
+        painter = cls(machine, board.surface, replace(settings, spread_share=0.0), seed)
+        painter._printed = board
+        return painter
+
+    def set_vertices(self, xyz_world: Floats) -> None:
+        """Move the surface: `(n, 3)` new places of its vertices, the faces stay.
+
+        The array is used as it is until the next call. For another board pose make another painter.
+
+        Raises:
+            ValueError: Another number of vertices.
+        """
+        if xyz_world.shape != self._image.shape:
+            raise ValueError(f"the surface has {len(self._image)} vertices, found an array of {xyz_world.shape}")
+        self._drawn_at_rad: float | None = None
+        self._xyz_world = np.ascontiguousarray(xyz_world, dtype=np.float64)
+        ambient, closed = self.settings.ambient_skin_grey, self.surface.closed
+        shade_faces(self._xyz_world, self.surface.faces, self._tone, ambient, _LAMP, closed, self._shade)
+
+    def set_exposure(self, exposure: float, gain: float = 1.0) -> None:
+        """Change the camera's exposure and gain for the frames to come; see `PictureSettings`.
+
+        Raises:
+            ValueError: Not positive.
+        """
+        self.settings = replace(self.settings, exposure=exposure, gain=gain)
+
+    def paint(self, theta_rad: float, laser: Lit, number: int = 0) -> Frame:
         """The frame `(height, width)` uint8 at a head angle; `number` selects this frame's noise."""
         self.paint_light(theta_rad, laser)
         frame: Bytes = np.empty(self._light.shape, dtype=np.uint8)
@@ -113,9 +115,10 @@ class Painter:
         expose(
             self._ambient,
             self._light,
+            settings.exposure * settings.gain,
             settings.speckle,
-            settings.electrons_per_grey,
-            settings.read_noise_grey,
+            settings.electrons_per_grey / settings.gain,
+            settings.read_noise_grey * settings.gain,
             settings.black_level,
             (self.seed * 1_000_003 + number) & 0x7FFFFFFFFFFFFFFF,
             self._quantiles,
@@ -123,98 +126,103 @@ class Painter:
         )
         return frame
 
-    def paint_light(self, theta_rad: float, laser: LaserName | None) -> Floats32:
-        """Laser light `(height, width)` before noise and saturation; a view that the next call changes."""
+    def paint_light(self, theta_rad: float, laser: Lit) -> Floats32:
+        """Laser light `(height, width)` before exposure, noise and saturation; a view that the next call changes."""
         camera_from = camera_from_world(self.machine, theta_rad)
-        project_points(self.surface.xyz_world, camera_from, self._lens, self._image)
-        draw_mesh(self._image, self.surface.faces, self._shade, self._nearest_to_camera, self._ambient)
-        self._draw_board(camera_from)
+        if theta_rad != self._drawn_at_rad:
+            project_points(self._xyz_world, camera_from, self._lens, self._image)
+            draw_mesh(self._image, self.surface.faces, self._shade, self._nearest_to_camera, self._ambient)
+            self._draw_ambient(camera_from)
+            self._drawn_at_rad = theta_rad
         self._light[:] = 0.0
-        if laser is not None:
-            self._draw_sheet(self.machine.laser(laser), theta_rad, camera_from)
+        for name in (laser,) if isinstance(laser, str) else laser or ():
+            self._draw_sheet(self.machine.laser(name), theta_rad, camera_from)
         return self._light
 
-    def _draw_board(self, camera_from: Floats) -> None:
+    def _draw_ambient(self, camera_from: Floats) -> None:
+        eye_world = self._eye(inverse_rigid(camera_from))
+        if self._printed is None:
+            self._draw_footboard(camera_from, eye_world, self._nearest_to_camera)
+            return
+        self._ambient[:] = 0.0
+        self._draw_footboard(camera_from, eye_world, np.zeros_like(self._nearest_to_camera))
+        board_from_world = inverse_rigid(self._printed.world_from_board)
+        eye = board_from_world[:3, :3] @ eye_world + board_from_world[:3, 3]
+        printed = self._printed.for_loops(board_from_world @ inverse_rigid(camera_from))
+        draw_print(self._rays, self._image, eye, printed, self.settings.blur_px, self._ambient)
+
+    def _eye(self, from_camera: Floats) -> Floats:
+        """The optical centre `(3,)` in another system."""
+        return (from_camera @ np.array([self._lens[6], 0.0, 0.0, 1.0]))[:3]
+
+    def _draw_footboard(self, camera_from: Floats, eye_world: Floats, nearest: Floats32) -> None:
         floor, settings = self.machine.floor, self.settings
         if settings.ambient_board_grey <= 0.0:
             return
-        eye = inverse_rigid(camera_from) @ np.array([self.machine.camera.focal_length_mm, 0.0, 0.0, 1.0])
         normal = camera_from[:3, :3] @ floor.normal_array
-        offset = floor.offset_mm - float(floor.normal_array @ eye[:3])
-        centre = camera_from[:3, :3] @ (floor.offset_mm * floor.normal_array - eye[:3])
+        offset = floor.offset_mm - float(floor.normal_array @ eye_world)
+        centre = camera_from[:3, :3] @ (floor.offset_mm * floor.normal_array - eye_world)
         board = np.array([*normal, offset, *centre, settings.board_radius_mm])
-        draw_board(self._rays, board, settings.ambient_board_grey, self._nearest_to_camera, self._ambient)
+        draw_board(self._rays, board, settings.ambient_board_grey, nearest, self._ambient)
 
     def _draw_sheet(self, sheet: LightPlane, theta_rad: float, camera_from: Floats) -> None:
         settings = self.settings
         world_from = turn_z(theta_rad) @ world_from_light(sheet)
         light_from = inverse_rigid(world_from)
-        xyz_light = self.surface.xyz_world @ light_from[:3, :3].T + light_from[:3, 3]
+        xyz_light = self._xyz_world @ light_from[:3, :3].T + light_from[:3, 3]
         layers_mm, weights, sigma_mm = split_sheet(settings.sheet_sigma_mm, settings.layers)
         skin = cut_mesh(xyz_light, self.surface.faces, layers_mm)
-        floor = _floor_in_light(self.machine, light_from)
-        board = _cut_board(floor, light_from[:3, 3], layers_mm, settings.board_radius_mm)
+        floor = floor_in_light(self.machine, light_from)
+        board = cut_footboard(floor, light_from[:3, 3], layers_mm, settings.board_radius_mm)
         camera_from_sheet = camera_from @ world_from
-        laser_y = settings.laser_height_mm - world_from[2, 3]
+        numbers = np.zeros(light.NUMBERS)
+        numbers[light.LASER_X], numbers[light.LASER_Y] = (
+            -settings.laser_distance_mm,
+            settings.laser_height_mm - world_from[2, 3],
+        )
+        numbers[light.LAYER_SIGMA], numbers[light.BLUR_PX] = sigma_mm, settings.blur_px
+        printed = no_print()
+        if self._printed is not None:
+            printed = self._printed.for_loops(inverse_rigid(self._printed.world_from_board) @ world_from)
+        tone = self._tone[skin.face]
         for k, (z_light, weight) in enumerate(zip(layers_mm, weights, strict=True)):
-            numbers = np.zeros(light.NUMBERS)
-            numbers[light.LASER_X], numbers[light.LASER_Y] = -settings.laser_distance_mm, laser_y
-            numbers[light.LAYER_SIGMA], numbers[light.BLUR_PX] = sigma_mm, settings.blur_px
-            self._draw_layer(skin, board, k, float(z_light), float(weight), numbers, floor, camera_from_sheet)
+            x, y = numbers[light.LASER_X], numbers[light.LASER_Y]
+            find_nearest(skin.pieces, skin.start[k], skin.start[k + 1], x, y, self._nearest_to_laser)
+            numbers[light.GREY], numbers[light.TWO_SIDED] = weight * settings.skin_grey, float(not self.surface.closed)
+            numbers[light.SPREAD_SHARE], numbers[light.SPREAD_MM] = settings.spread_share, settings.spread_mm
+            self._draw_cut(skin, tone, k, float(z_light), numbers, floor, camera_from_sheet, printed)
+            numbers[light.GREY], numbers[light.TWO_SIDED] = weight * settings.board_grey, 0.0
+            numbers[light.SPREAD_SHARE] = 0.0
+            bright = np.ones(len(board.pieces))
+            self._draw_cut(board, bright, k, float(z_light), numbers, floor, camera_from_sheet, no_print())
 
-    def _draw_layer(
+    def _draw_cut(
         self,
-        skin: Cut,
-        board: Cut,
+        cut: Cut,
+        tone: Floats,
         layer: int,
         z_light: float,
-        weight: float,
         numbers: Floats,
         floor: Floats,
         camera_from_sheet: Floats,
+        printed: Print,
     ) -> None:
-        settings = self.settings
-        eye = (inverse_rigid(camera_from_sheet) @ np.array([self._lens[6], 0.0, 0.0, 1.0]))[:3]
-        x, y = numbers[light.LASER_X], numbers[light.LASER_Y]
-        find_nearest(skin.pieces, skin.start[layer], skin.start[layer + 1], x, y, self._nearest_to_laser)
-        below = floor - np.array([0.0, 0.0, 0.0, 0.01])
-        for cut, grey, spread, open_surface in (
-            (skin, settings.skin_grey, settings.spread_share, not self.surface.closed),
-            (board, settings.board_grey, 0.0, False),
-        ):
-            numbers[light.GREY], numbers[light.TWO_SIDED] = weight * grey, float(open_surface)
-            numbers[light.SPREAD_SHARE], numbers[light.SPREAD_MM] = spread, settings.spread_mm
-            light.draw_light(
-                cut.pieces,
-                cut.start[layer],
-                cut.start[layer + 1],
-                z_light,
-                numbers,
-                eye,
-                below,
-                camera_from_sheet,
-                self._lens,
-                self._nearest_to_laser,
-                self._nearest_to_camera,
-                self._light,
-            )
-
-
-def split_sheet(sigma_mm: float, layers: int) -> tuple[Floats, Floats, float]:
-    """Make a Gaussian sheet of several thin Gaussian ones.
-
-    Returns:
-        Distances `(layers,)` of the thin sheets from the middle (mm), their peaks `(layers,)` relative to the whole
-        sheet's, and their common sigma (mm). Light and variance of the sum are those of the whole sheet.
-    """
-    if layers == 1:
-        return np.zeros(1), np.ones(1), sigma_mm
-    step = 3.2 / (layers - 1)  # the outermost stand at 1.6 sigma
-    place: Floats = step * (np.arange(layers, dtype=np.float64) - (layers - 1) / 2.0)
-    share = np.exp(-(place**2) / (2.0 * 0.8**2))
-    share /= share.sum()
-    thin = float(np.sqrt(1.0 - share @ place**2))
-    return sigma_mm * place, share / thin, sigma_mm * thin
+        light.draw_light(
+            cut.pieces,
+            tone,
+            cut.start[layer],
+            cut.start[layer + 1],
+            z_light,
+            numbers,
+            self._eye(inverse_rigid(camera_from_sheet)),
+            floor - np.array([0.0, 0.0, 0.0, 0.01]),
+            camera_from_sheet,
+            self._lens,
+            self._nearest_to_laser,
+            self._nearest_to_camera,
+            printed,
+            self._light,
+        )
 
 
 def _slopes_of_pixels(camera: Camera) -> Floats32:
@@ -222,33 +230,3 @@ def _slopes_of_pixels(camera: Camera) -> Floats32:
     u, row_f = np.meshgrid(np.arange(camera.width_px), camera.height_px - 1 - np.arange(camera.height_px))
     ray = ray_from_pixel(np.stack([u, row_f], axis=-1).astype(np.float64), camera)
     return (ray[..., 1:] / ray[..., :1]).astype(np.float32)
-
-
-def _ambient_shade(surface: Surface, settings: PictureSettings) -> Floats32:
-    """Ambient grey value of each face: lamps above and a little aside, and a third from everywhere."""
-    lamp = np.array([0.25, 0.15, 0.96])
-    towards = surface.normal_world @ (lamp / np.linalg.norm(lamp))
-    towards = np.abs(towards) if not surface.closed else np.maximum(towards, 0.0)
-    return (settings.ambient_skin_grey * (1.0 + 2.0 * towards) / 3.0).astype(np.float32)
-
-
-def _floor_in_light(machine: Calibration, light_from_world: Floats) -> Floats:
-    """The board's plane `(4,)` (normal, offset) in the light system."""
-    normal = light_from_world[:3, :3] @ machine.floor.normal_array
-    return np.array([*normal, machine.floor.offset_mm + float(normal @ light_from_world[:3, 3])])
-
-
-def _cut_board(floor: Floats, axis_light: Floats, layers_mm: Floats, radius_mm: float) -> Cut:
-    """The light curves on the round board: a straight line per layer, in pieces of at most 4 mm."""
-    normal, offset = floor[:3], floor[3]
-    pieces, start = [np.empty((0, 7))], [0]
-    for z_light in layers_mm:
-        inside = radius_mm**2 - (z_light - axis_light[2]) ** 2
-        half = np.sqrt(max(inside, 0.0))
-        x = np.linspace(axis_light[0] - half, axis_light[0] + half, max(int(np.ceil(half / 2.0)), 1) + 1)
-        y = (offset - normal[0] * x - normal[2] * z_light) / normal[1]
-        ends = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
-        pieces.append(np.column_stack([ends, np.broadcast_to(normal, (len(ends), 3))]))
-        start.append(start[-1] + len(ends))
-    joined = np.ascontiguousarray(np.concatenate(pieces))
-    return Cut(joined, np.full(len(joined), -1), np.array(start, dtype=np.int64))

@@ -84,6 +84,14 @@ def stand_on_board(surface: Surface) -> Surface:
     return surface.moved(shift)
 
 
+def grid_faces(rows: int, columns: int) -> Ints:
+    """Two triangles in each mesh of a grid of vertices, rows one after the other."""
+    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    first = np.stack([corner, corner + columns, corner + columns + 1], axis=1)
+    second = np.stack([corner, corner + columns + 1, corner + 1], axis=1)
+    return np.concatenate([first, second])
+
+
 def _check_size(path: Path, unit: str, mesh: trimesh.Trimesh) -> None:
     vertices = np.asarray(mesh.vertices)
     size_mm = np.ptp(vertices, axis=0) if np.isfinite(vertices).all() else np.full(3, np.nan)

@@ -187,3 +187,68 @@ def test_loops_project_as_the_optics_do(machine: TrueMachine):
 
     assert np.max(np.abs(image[:, :2] - seen_in_frame(xyz_world, calibration, 0.7))) < 1e-7
     assert np.allclose(image[:, 2], 1.0 / depth, rtol=1e-12)
+
+
+def test_two_lasers_at_once_are_the_sum_of_either(machine: TrueMachine):
+    painter = Painter(machine.calibration, build_sphere(40.0, np.array([0.0, 0.0, 60.0]), subdivisions=3))
+    right, left = painter.paint_light(0.4, "right").copy(), painter.paint_light(0.4, "left").copy()
+    both = painter.paint_light(0.4, ("right", "left"))
+
+    assert right.max() > 100.0
+    assert np.allclose(both, right + left, rtol=1e-4, atol=1e-3)
+    assert not painter.paint_light(0.4, ()).any()
+
+
+def test_moved_vertices_give_the_frame_of_the_moved_surface(machine: TrueMachine):
+    ball = build_sphere(40.0, np.array([0.0, 0.0, 60.0]), subdivisions=3)
+    tilt = np.eye(4)
+    tilt[:3, :3] = [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0], [-0.6, 0.0, 0.8]]
+    tilt[:3, 3] = [10.0, -5.0, 20.0]
+    moved = ball.moved(tilt)
+    painter = Painter(machine.calibration, ball, seed=2)
+    before = painter.paint(0.7, "left", 3)
+    painter.set_vertices(moved.xyz_world)
+    after = painter.paint(0.7, "left", 3)
+
+    assert not np.array_equal(before, after)
+    assert np.array_equal(after, Painter(machine.calibration, moved, seed=2).paint(0.7, "left", 3))
+    with pytest.raises(ValueError, match="vertices"):
+        painter.set_vertices(np.zeros((3, 3)))
+
+
+def test_exposure_and_gain_brighten_alike_and_saturate_at_255(machine: TrueMachine):
+    settings = replace(CLEAN, ambient_board_grey=20.0, skin_grey=80.0)
+    painter = Painter(machine.calibration, build_sphere(40.0, np.array([0.0, 0.0, 60.0]), subdivisions=3), settings)
+    usual = painter.paint(0.4, "right").astype(int)
+    painter.set_exposure(2.0)
+    longer = painter.paint(0.4, "right").astype(int)
+    painter.set_exposure(1.0, gain=2.0)
+    amplified = painter.paint(0.4, "right").astype(int)
+    painter.set_exposure(20.0)
+
+    assert np.abs(longer - 2 * usual).max() <= 1
+    assert np.array_equal(longer, amplified)
+    assert painter.paint(0.4, "right").max() == 255
+    with pytest.raises(ValueError, match="positive"):
+        painter.set_exposure(0.0)
+
+
+def test_exposure_gathers_electrons_and_gain_amplifies_noise(machine: TrueMachine):
+    settings = replace(DEFAULT_PICTURE, black_level=0, ambient_board_grey=50.0)
+    painter = Painter(machine.calibration, build_sphere(5.0, np.array([0.0, 0.0, 30.0]), subdivisions=2), settings)
+    painter.set_exposure(2.0)
+    longer = painter.paint(0.0, None)[380:460, 200:380].astype(float).var()
+    painter.set_exposure(1.0, gain=2.0)
+    amplified = painter.paint(0.0, None)[380:460, 200:380].astype(float).var()
+
+    assert longer == pytest.approx(1.2**2 + 100.0 / 60.0 + 1.0 / 12.0, rel=0.05)
+    assert amplified == pytest.approx((2.0 * 1.2) ** 2 + 2.0 * 100.0 / 60.0 + 1.0 / 12.0, rel=0.05)
+
+
+def test_a_darker_part_sends_back_less_light(machine: TrueMachine):
+    ball = build_sphere(40.0, np.array([0.0, 0.0, 60.0]), subdivisions=3)
+    full = Painter(machine.calibration, ball, replace(CLEAN, board_grey=0.0)).paint_light(0.4, "right").copy()
+    half = Painter(machine.calibration, ball, replace(CLEAN, board_grey=0.0), tone=np.full(len(ball.faces), 0.5))
+
+    assert full.max() > 100.0
+    assert np.allclose(half.paint_light(0.4, "right"), 0.5 * full, rtol=1e-4, atol=1e-3)
