@@ -1,0 +1,103 @@
+"""Question and answer with one module of the ADAM/DCON family (ASCII protocol, ADAM-4000 and I-7000 manuals).
+
+A module that does not understand, or whose address or checksum is another, says nothing: silence is the only error.
+"""
+
+import re
+import time
+
+from footscan.devices.serial_port import LineSplitter, SerialPort
+from footscan.errors import OutputsLostError
+
+_TRIES = 2
+_LONGEST_REPLY_BYTES = 16
+
+
+def checksum(text: bytes) -> bytes:
+    """Sum of all characters modulo 256 as two upper-case hexadecimal digits."""
+    return f"{sum(text) & 0xFF:02X}".encode()
+
+
+def framed(command: str, with_checksum: bool) -> bytes:
+    """A command as it goes over the wire."""
+    text = command.encode()
+    return text + (checksum(text) if with_checksum else b"") + b"\r"
+
+
+def reply_text(line: bytes, with_checksum: bool) -> str | None:
+    """A reply without its checksum; None if it is garbled."""
+    text = line
+    if with_checksum:
+        text, found = line[:-2], line[-2:]
+        if len(line) < 3 or found != checksum(text):
+            return None
+    return text.decode() if text.isascii() else None
+
+
+class AdamLine:
+    """One module on a port; every command is repeated once if nothing sensible comes back, for all may be repeated."""
+
+    def __init__(self, port: SerialPort, address: int, with_checksum: bool, reply_timeout_s: float) -> None:
+        self._port, self._with_checksum, self._timeout_s = port, with_checksum, reply_timeout_s
+        self._lines = LineSplitter()
+        self.address = f"{address:02X}"
+        self.last_exchange_s = time.monotonic()
+
+    def ask(self, lead: str, rest: str, allowed: str) -> re.Match[str]:
+        """Send lead + address + rest; returns the match of the reply with `allowed` (a pattern, AA = the address).
+
+        Raises:
+            OutputsLostError: No answer, only nonsense, or the module calls the command invalid.
+        """
+        command = f"{lead}{self.address}{rest}"
+        pattern = re.compile(allowed.replace("AA", self.address))
+        heard: list[bytes] = []
+        for _ in range(_TRIES):
+            reply = self._exchange(command, pattern, heard)
+            if reply is not None:
+                self.last_exchange_s = time.monotonic()
+                return reply
+        raise self._no_answer(command, heard)
+
+    def tell(self, command: str) -> None:
+        """Send what nobody answers."""
+        self._port.write(framed(command, self._with_checksum))
+
+    def _exchange(self, command: str, pattern: "re.Pattern[str]", heard: list[bytes]) -> re.Match[str] | None:
+        self._forget_late_answers()
+        line = framed(command, self._with_checksum)
+        self._port.write(line)
+        end_s = time.monotonic() + self._timeout_s + self._port.wire_s(len(line) + _LONGEST_REPLY_BYTES)
+        while (left_s := end_s - time.monotonic()) > 0:
+            for answer in self._lines.feed(self._port.read(left_s)):
+                text = reply_text(answer, self._with_checksum)
+                if text is not None and (match := pattern.fullmatch(text)):
+                    return match
+                self._refuse_invalid(command, text)
+                heard[:] = [*heard[-2:], answer]
+        return None
+
+    def _forget_late_answers(self) -> None:
+        for _ in range(8):
+            if not self._port.read(0.0):
+                break
+        self._lines.clear()
+
+    def _refuse_invalid(self, command: str, text: str | None) -> None:
+        if text == f"?{self.address}":
+            raise OutputsLostError(
+                f"the output module at address {self.address} on {self._port.path} does not know {command!r}; give "
+                "the dialect of the module in the rig file."
+            )
+
+    def _no_answer(self, command: str, heard: list[bytes]) -> OutputsLostError:
+        if not heard:
+            return OutputsLostError(
+                f"the output module at address {self.address} on {self._port.path} does not answer {command!r} at "
+                f"{self._port.baud} baud; check its supply, the wires A and B, address, baud rate and checksum."
+            )
+        shown = ", ".join(repr(line[:24]) for line in heard)
+        return OutputsLostError(
+            f"the output module at address {self.address} on {self._port.path} answers {command!r} with nonsense "
+            f"({shown}); check its cable, its baud rate, its checksum setting, and that it is the named module."
+        )
