@@ -10,6 +10,7 @@ from footscan.cli.bench import bench_app
 from footscan.cli.info import info
 from footscan.cli.measure import measure_command, section_command
 from footscan.cli.process import process
+from footscan.cli.scan import scan_command, scans_command
 from footscan.cli.simulate import demo, simulate
 from footscan.errors import FootscanError
 
@@ -24,6 +25,8 @@ app.command()(process)
 app.command()(info)
 app.command("measure")(measure_command)
 app.command("section")(section_command)
+app.command("scan")(scan_command)
+app.command("scans")(scans_command)
 app.command()(simulate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")

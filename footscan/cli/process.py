@@ -62,10 +62,11 @@ def process(
     if json_only:
         print_json(report)
     else:
-        _tell(report, out)
+        tell_results(report, out)
 
 
-def _tell(report: dict[str, Any], out: Path) -> None:
+def tell_results(report: dict[str, Any], out: Path) -> None:
+    """The result in a few lines, for people."""
     frames, points = report["frames"], report["points"]
     rejected = "".join(f", {count} rejected: {reason}" for reason, count in frames["rejected"].items())
     STDOUT.print(f"{frames['seen']} frames, {frames['used']} used{rejected}; threshold {report['threshold']}")

@@ -139,7 +139,7 @@ class WorldModel(Strict):
         unit: Of the mesh file.
         size: Of the built-in foot.
         seed: Which workshop built the machine; without it the machine is exactly as designed.
-        person: The person stands as people do, or perfectly still.
+        person: Stands like a statue, calm (breathing and pulse), or restless (sways, drifts, twitches).
         obstacles: What else is in the way.
         time: As fast as the wall clock, or as fast as this computer can.
     """
@@ -148,7 +148,7 @@ class WorldModel(Strict):
     unit: Literal["mm", "cm", "m"] = "mm"
     size: float = Field(default=1.0, ge=0.45, le=1.2)
     seed: int | None = Field(default=1, ge=0)
-    person: Literal["still", "sways"] = "sways"
+    person: Literal["statue", "calm", "restless"] = "calm"
     time: Literal["real", "fast"] = "real"
 
 

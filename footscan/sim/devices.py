@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 
-from footscan.coordinates import Floats
+from footscan.coordinates import Floats, Frame
 from footscan.devices.carriage import SILENT_S
 from footscan.devices.values import ALL_OFF, CameraFacts, CameraFrame, EncoderReading, EncoderSamples, Inputs, Outputs
 from footscan.errors import CameraLostError, EncoderLostError, OutputsLostError
@@ -21,9 +21,8 @@ class SimCamera:
     def __init__(self, world: World, frames_per_s: float, exposure_s: float) -> None:
         self._world, self._rate, self._exposure_s = world, frames_per_s, exposure_s
         self._latency_s = world.machine.calibration.latency_s
-        self._painter = Painter(
-            world.machine.calibration, world.standing.surface, world.settings.picture, world.settings.seed
-        )
+        self._painted = world.standing
+        self._painter = self._new_painter()
         self._started_s: float | None = None
         self._next = 0
         self._closed = False
@@ -66,10 +65,17 @@ class SimCamera:
         self._closed = True
         self._world.clock.notify()
 
-    def _expose(self, exposed_s: float, number: int) -> "np.ndarray[tuple[int, int], np.dtype[np.uint8]]":
+    def _new_painter(self) -> Painter:
+        settings = self._world.settings
+        return Painter(self._world.machine.calibration, self._painted.surface, settings.picture, settings.seed)
+
+    def _expose(self, exposed_s: float, number: int) -> Frame:
         world = self._world
         theta_rad = float(world.theta_at(np.array([exposed_s]))[0])
-        vertices = world.standing.xyz_world_at(exposed_s - world.start_s)
+        if world.standing is not self._painted:
+            self._painted = world.standing
+            self._painter = self._new_painter()
+        vertices = self._painted.xyz_world_at(exposed_s - world.start_s)
         if vertices is not None:
             self._painter.set_vertices(vertices)
         return self._painter.paint(theta_rad, world.lasers_at(exposed_s) or None, number)

@@ -103,6 +103,10 @@ class World:
             self._faults.at_s.pop(trouble, None)
             self._head.blocked = False
 
+    def put(self, standing: Standing) -> None:
+        """Something else stands on the board from now on."""
+        self.standing = standing
+
     def press_button(self, pressed: bool) -> None:
         """The start/stop button on the machine."""
         self._button = pressed

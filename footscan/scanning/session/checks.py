@@ -13,7 +13,7 @@ from footscan.scanning.stripe import automatic_threshold, find_stripe
 FEWEST_STRIPE_POINTS = 40
 _SATURATED_GREY = 250
 _SATURATED_SHARE = 0.5
-_DARK_GREY = 70
+_DARK_GREY = 45
 _AMBIENT_GREY = 110
 _BORDER_PX = 3
 _SKIN_FROM_MM = 8.0  # above the board

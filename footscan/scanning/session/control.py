@@ -14,7 +14,7 @@ from footscan.devices.carriage import Carriage, Drive
 from footscan.devices.clock import Clock
 from footscan.devices.interlock import Interlock, InterlockLimits
 from footscan.devices.protocols import Camera, DigitalIo, Encoder
-from footscan.devices.values import CameraFrame
+from footscan.devices.values import CameraFacts, CameraFrame
 from footscan.errors import DeviceError, EncoderLostError, FootscanError, InterlockError
 from footscan.optics.calibration import Calibration, EncoderScale
 from footscan.optics.scanner import Scanner
@@ -121,6 +121,11 @@ class Session:
         for thread in self._helpers():
             thread.start()
         self._thread.start()
+
+    @property
+    def facts(self) -> CameraFacts:
+        """What the camera delivers."""
+        return self._machine.facts
 
     @property
     def live(self) -> LiveView | None:

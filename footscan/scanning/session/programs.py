@@ -112,6 +112,7 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
     save_outcome(order.folder, outcome, plan, keeper.count())
     machine.say(State.RETURNING)
     yield from machine.go_to(machine.park_rad)
+    machine.interlock.disarm()  # the next person's face is looked for anew
     machine.progress, machine.remaining_s = 1.0, 0.0
     machine.say(State.DONE)
 

@@ -1,0 +1,180 @@
+"""`footscan scan` and `footscan scans`."""
+
+import signal
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from footscan import app as rig_app
+from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
+from footscan.cli.process import tell_results
+from footscan.config import Subject, load_calibration
+from footscan.config.recording_file import Load
+from footscan.config.recording_file import Surface as CoverKind
+from footscan.config.rig_file import Rig, load_rig
+from footscan.coordinates import Side
+from footscan.errors import ConfigError, InputError, InterlockError
+from footscan.optics.calibration import Calibration
+from footscan.records.data_folder import SCANS, data_folder
+from footscan.scanning.session.control import Session
+from footscan.scanning.session.plan import plan_scan
+from footscan.scanning.session.states import Snapshot, State
+from footscan.workflow.designs import builtin_rig
+from footscan.workflow.process import ProcessSettings
+from footscan.workflow.scan import (
+    RESULTS,
+    ScanSettings,
+    find_scans,
+    measure_recorded,
+    prepare_machine,
+    record_scan,
+    refuse_findings,
+    scan_folder,
+)
+
+FACES = "Is nobody's face at beam height, and may the lasers and the motor be switched on?"
+RigOption = Annotated[Path | None, typer.Option(help="Rig file; default: the simulated machine.")]
+DataOption = Annotated[Path | None, typer.Option(help="Data folder; default: FOOTSCAN_DATA or the user's.")]
+
+
+def scan_command(
+    side: Annotated[Side, typer.Option(help="Side of the foot.")],
+    load: Annotated[Load, typer.Option(help="Load on the foot.")] = "unknown",
+    surface: Annotated[CoverKind, typer.Option(help="What covers the skin.")] = "unknown",
+    rig: RigOption = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for recording and results; default: the data folder.")
+    ] = None,
+    data: DataOption = None,
+    profile: Annotated[str | None, typer.Option(help="Profile of the rig file; default: its first.")] = None,
+    calibration: Annotated[
+        Path | None, typer.Option(help="calibration.toml; default: the one in force in the data folder.")
+    ] = None,
+    countdown: Annotated[float, typer.Option(help="Seconds between Start and the first beam.", min=0, max=30)] = 3.0,
+    yes: Annotated[bool, typer.Option("--yes", help="I have looked: no face is at beam height.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Simulated machine: do not wait for the wall clock.")] = False,
+    json_only: Annotated[bool, typer.Option("--json", help="Print scan.json and nothing else.")] = False,
+) -> None:
+    """Scan one foot without a screen and measure it."""
+    machine_rig = chosen_rig(rig, fast)
+    in_force = _calibration(machine_rig, calibration, data_folder(data), json_only)
+    folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)
+    subject = Subject(load=load, surface=surface)
+    with opened_session(machine_rig, side, in_force) as session:
+        plan = plan_scan(machine_rig.motion, _profile(machine_rig, profile), session.facts, machine_rig.scanner)
+        process = ProcessSettings(side=side)
+        settings = ScanSettings(folder, side, plan, subject, countdown_s=countdown, process=process)
+        if not json_only:
+            STDOUT.print(plan.sentence())
+        _confirm(yes)
+        _sweep(session, settings, in_force, json_only)
+    with progress_bar("frames", quiet=json_only) as progress:
+        report = measure_recorded(settings, in_force, progress)
+    if json_only:
+        print_json(report)
+    else:
+        tell_results(report, folder / RESULTS)
+
+
+def _sweep(session: Session, settings: ScanSettings, calibration: Calibration, quiet: bool) -> None:
+    session.post_arm(no_faces_at_beam_height=True).wait()
+    teller = _Teller(quiet)
+    findings = prepare_machine(session, settings, teller)
+    for finding in findings:
+        STDERR.print(f"{finding.cause}: {finding.sentence}")
+    refuse_findings(findings)
+    record_scan(session, settings, calibration, teller)
+
+
+def chosen_rig(path: Path | None, fast: bool) -> Rig:
+    """The rig of a file, or the simulated one.
+
+    Raises:
+        ConfigError: A damaged file.
+        InputError: A real machine cannot be hurried.
+    """
+    rig = load_rig(path) if path is not None else builtin_rig()
+    if not fast:
+        return rig
+    if rig.devices.world is None:
+        raise InputError("--fast is for the simulated machine; a real one needs its time.")
+    world = rig.devices.world.model_copy(update={"time": "fast"})
+    return replace(rig, devices=rig.devices.model_copy(update={"world": world}))
+
+
+@contextmanager
+def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Generator[Session]:
+    """A session over a rig's devices; everything is off at the end, however it ends, SIGTERM included."""
+
+    def end(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    before = signal.signal(signal.SIGTERM, end)
+    opened = rig_app.open_rig(rig, side)
+    session = rig_app.start_session(opened, calibration)
+    try:
+        yield session
+    except KeyboardInterrupt:
+        raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
+    finally:
+        session.close()
+        signal.signal(signal.SIGTERM, before)
+
+
+def scans_command(data: DataOption = None, json_only: Annotated[bool, typer.Option("--json")] = False) -> None:
+    """List the scans of the data folder; those broken off or not yet processed say how to go on."""
+    found = find_scans(data_folder(data) / SCANS)
+    if json_only:
+        print_json({"scans": [{**vars(item), "folder": str(item.folder)} for item in found]})
+        return
+    if not found:
+        STDOUT.print(f"No scans in {data_folder(data) / SCANS}; make one with: footscan scan --side left")
+    for item in found:
+        state = "whole" if item.finished else "BROKEN OFF, what was captured is kept"
+        STDOUT.print(f"{item.created}  {item.side:5}  {item.frames:4} frames, {state}  {item.folder}")
+        if item.trouble:
+            STDOUT.print(f"  cannot be read: {item.trouble}")
+        elif not item.processed:
+            where = f"{item.folder}/recording --calibration {item.folder}/calibration.toml --out {item.folder}/results"
+            STDOUT.print(f"  not processed yet: footscan process {where}")
+
+
+def _profile(rig: Rig, name: str | None) -> Any:
+    try:
+        return rig.profile(name)
+    except ValueError as err:
+        raise InputError(f"{err}; choose one of these.") from None
+
+
+def _calibration(rig: Rig, given: Path | None, data: Path, quiet: bool) -> Calibration:
+    if given is not None:
+        return load_calibration(given)
+    in_force, word = rig_app.calibration_in_force(rig, data)
+    if in_force is None:
+        raise ConfigError(f"{word}. Calibrate the machine, or give a file with --calibration.")
+    if not quiet:
+        STDOUT.print(word)
+    return in_force
+
+
+def _confirm(yes: bool) -> None:
+    if not yes and not typer.confirm(FACES, default=False, err=True):
+        raise InterlockError("not confirmed: lasers and motor stay off.")
+
+
+class _Teller:
+    """Says each new state once."""
+
+    def __init__(self, quiet: bool) -> None:
+        self._quiet = quiet
+        self._state: State | None = None
+
+    def __call__(self, snapshot: Snapshot) -> None:
+        if snapshot.state is not self._state and not self._quiet:
+            left = f" ({snapshot.remaining_s:.0f} s)" if snapshot.state is State.SCANNING else ""
+            STDERR.print(f"{snapshot.message or snapshot.state.value}{left}")
+        self._state = snapshot.state
