@@ -1,0 +1,1 @@
+"""Migrations of the records, run by Alembic when a data folder is opened. Shipped ones are never edited."""
