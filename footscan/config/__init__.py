@@ -1,6 +1,6 @@
 """Typed settings: the only place that reads TOML. Files are validated by pydantic; frozen dataclasses come out."""
 
-from footscan.config.board import Board, load_board
+from footscan.config.board import Board, board_toml, load_board
 from footscan.config.calibration_file import calibration_toml, load_calibration, save_calibration
 from footscan.config.recording_file import RecordingInfo, Subject, load_recording_info, recording_toml
 from footscan.config.scanner_file import load_scanner, scanner_toml
@@ -10,6 +10,7 @@ __all__ = [
     "Board",
     "RecordingInfo",
     "Subject",
+    "board_toml",
     "calibration_toml",
     "file_kind",
     "load_board",

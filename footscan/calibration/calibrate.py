@@ -1,0 +1,119 @@
+"""A calibration recording becomes a calibration, or a refusal with its reason."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from footscan.calibration.doubts import BoardShape, board_shape, explain_corners, shape_gates
+from footscan.calibration.gates import (
+    LIMITS,
+    Gate,
+    Limits,
+    corner_gates,
+    design_gates,
+    joint_gates,
+)
+from footscan.calibration.holdout import HoldOut, hold_out_each
+from footscan.calibration.intake import Intake, Progress, take_in
+from footscan.calibration.joint import USUAL, Choices, JointFit, fit_corners, fit_jointly
+from footscan.calibration.mislabelled import explain_stripes
+from footscan.config import Board
+from footscan.errors import PoorFitError
+from footscan.optics import Calibration
+from footscan.scanning.recording import Recording
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """An accepted calibration and everything it rests on.
+
+    Attributes:
+        calibration: The machine as measured.
+        intake: What the recording showed.
+        joint: The joint fit.
+        holdouts: Every placement predicted by a fit that never saw it.
+        shape: The board as the pictures show it.
+        gates: All gates, every one passed.
+        seconds: Time per stage.
+    """
+
+    calibration: Calibration
+    intake: Intake
+    joint: JointFit
+    holdouts: list[HoldOut]
+    shape: BoardShape
+    gates: list[Gate]
+    seconds: dict[str, float]
+
+
+def calibrate_recording(
+    recording: Recording,
+    board: Board | None = None,
+    choices: Choices = USUAL,
+    limits: Limits = LIMITS,
+    progress: Progress = lambda done, total: None,
+    created: str = "",
+) -> Calibrated:
+    """Find the machine that made a recording.
+
+    Args:
+        recording: A calibration recording.
+        board: The board with measured lengths; default: the recording's own.
+        choices: What to estimate beyond the usual.
+        limits: What the gates allow.
+        progress: Called with frames done and in all.
+        created: When (RFC 3339), for the file.
+
+    Raises:
+        RecordingError: The recording is incomplete or shows no board; the reason is named (exit status 2).
+        PoorFitError: A gate refused the result; the reason and the placement are named (exit status 4).
+    """
+    clock = _Clock()
+    intake = take_in(recording, board, progress)
+    clock.mark("corners")
+    corners_fit = fit_corners(intake)
+    names = intake.placement_names
+    if not all(gate.passed for gate in corner_gates(corners_fit, names, limits)):
+        raise PoorFitError(_refusal(explain_corners(intake, corners_fit, limits)))
+    shape = board_shape(intake, corners_fit)
+    _pass(shape_gates(shape, names) if not choices.horizontal_scale else shape_gates(shape, names)[1:])
+    clock.mark("corners alone")
+    joint = fit_jointly(intake, corners_fit, choices, progress)
+    clock.mark("stripes and joint fit")
+    _pass(design_gates(joint.fit.estimate.machine, recording.scanner))
+    reason = explain_stripes(joint, limits)
+    if reason:
+        raise PoorFitError(_refusal(reason))
+    holdouts = hold_out_each(joint)
+    gates = joint_gates(joint, holdouts, limits)
+    _pass(gates)
+    clock.mark("hold-out and gates")
+    calibration = replace(joint.fit.estimate.machine, created=created)
+    return Calibrated(calibration, intake, joint, holdouts, shape, gates, clock.seconds)
+
+
+def _pass(gates: list[Gate]) -> None:
+    """Refuse with the first gate that fails."""
+    for gate in gates:
+        if not gate.passed:
+            raise PoorFitError(_refusal(gate.sentence()))
+
+
+def _refusal(reason: str) -> str:
+    return f"no calibration: {reason} The calibration in force stays."
+
+
+class _Clock:
+    """Seconds per stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def mark(self, name: str) -> None:
+        """What passed since the last mark belongs to this stage."""
+        now = time.perf_counter()
+        self.seconds[name] = round(now - self._last, 2)
+        self._last = now

@@ -1,0 +1,216 @@
+"""What may be wrong when corners do not fit, each tried by giving it freedom: boards that differ, bend or were moved, a
+lens that was knocked, an encoder that counts the other way.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from footscan.calibration.charuco import half_size_mm
+from footscan.calibration.estimate import LENS, POSE, SHAPE, Estimate
+from footscan.calibration.first_guess import guess_estimate
+from footscan.calibration.gates import Gate, Limits, placement_corners
+from footscan.calibration.intake import Intake
+from footscan.calibration.joint import CORNERS_ONLY
+from footscan.calibration.misfit import corner_misfit_px, head_angles
+from footscan.calibration.sightings import NO_STRIPES, Corners, Sightings
+from footscan.calibration.solve import POSES_ONLY, Fit, Unknowns, fit_estimate
+from footscan.coordinates import Floats
+from footscan.geometry.rigid import inverse_rigid
+from footscan.optics.scanner import calibration_from_design
+
+MOST_UNEQUAL = 4e-4
+MOST_SCALED = 6e-4
+MOST_SAG_MM = 0.15
+MOST_KNOCK_PX = 0.25
+_MOVED_MM = 0.15
+_TOLERANCE_PX = 0.5
+_HELPS = 0.5
+_FREE_LENS = tuple(name for name in CORNERS_ONLY.machine if not name.startswith("principal"))
+
+
+@dataclass(frozen=True)
+class BoardShape:
+    """What the pictures say about the print and flatness of the board.
+
+    Attributes:
+        unequal: Height over width of the print, relative to what board.toml says, minus one; mean of all placements.
+        scaled: `(p,)` size of the board in each placement relative to the mean of all, minus one.
+        sag_mm: `(p,)` largest departure from flatness over the board.
+    """
+
+    unequal: float
+    scaled: Floats
+    sag_mm: Floats
+
+
+def board_shape(intake: Intake, corners_fit: Fit) -> BoardShape:
+    """Estimate stretch and bend of the board of every placement, beside everything that corners show."""
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    free = fit_estimate(corners_fit.estimate, sightings, Unknowns(CORNERS_ONLY.machine, POSE + SHAPE))
+    stretch = free.estimate.doubts[:, :2]
+    half_x, half_y = half_size_mm(intake.board)
+    bend = np.abs(free.estimate.doubts[:, 2:5] * np.array([half_x**2, half_y**2, half_x * half_y]))
+    size = stretch.mean(axis=1)
+    return BoardShape(float(np.median(stretch[:, 1] - stretch[:, 0])), size - np.median(size), bend.max(axis=1))
+
+
+def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
+    """Gates on the board itself."""
+    scaled, bent = int(np.argmax(np.abs(shape.scaled))), int(np.argmax(shape.sag_mm))
+    return [
+        Gate(
+            "print_scale_unequal",
+            abs(shape.unequal),
+            MOST_UNEQUAL,
+            "",
+            "The print is scaled differently in x and y than board.toml says: measure both lengths with a calliper and "
+            "enter them (--measured-x, --measured-y). If they hold, the camera's horizontal scale is not as designed: "
+            "use --horizontal-scale.",
+        ),
+        Gate(
+            "board_of_other_size",
+            float(abs(shape.scaled[scaled])),
+            MOST_SCALED,
+            f"placement {names[scaled]}",
+            "The board of this placement has another size than the others; use one and the same board throughout.",
+        ),
+        Gate(
+            "board_bent_mm",
+            float(shape.sag_mm[bent]),
+            MOST_SAG_MM,
+            f"placement {names[bent]}",
+            "The board is bent; glue it on a stiff flat plate and repeat the placement.",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class _Suspicion:
+    """One explanation: how much of the misfit it takes away (px RMS left over), and its sentence."""
+
+    left_px: float
+    sentence: str
+
+
+def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> str:
+    """The likeliest reason why corners do not fit: the one whose freedom takes most of the misfit away."""
+    now = _misfit_px(fit)
+    suspicions = [_reversed(intake), *_moved(intake, fit, limits), _lens(intake, fit), _shape(intake, fit)]
+    best = min((s for s in suspicions if s is not None), key=lambda s: s.left_px, default=None)
+    if best is not None and best.left_px < max(_HELPS * now, 0.05) and best.left_px < now:
+        return best.sentence
+    return _nothing(intake, fit)
+
+
+def _misfit_px(fit: Fit) -> float:
+    """RMS of all corners, each counted up to 3 px."""
+    residual = np.minimum(np.abs(np.nan_to_num(fit.residual_px[fit.rows.laser < 0], nan=3.0)), 3.0)
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def _reversed(intake: Intake) -> _Suspicion | None:
+    """The encoder counts the other way than scanner.toml says."""
+    machine = calibration_from_design(intake.recording.scanner)
+    machine = replace(machine, encoder=replace(machine.encoder, direction=-machine.encoder.direction))
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    fit = fit_estimate(guess_estimate(intake, machine), sightings, CORNERS_ONLY)
+    own = intake.recording.scanner.encoder.direction
+    return _Suspicion(
+        _misfit_px(fit),
+        f"the encoder counts the other way: scanner.toml says direction {own}, the pictures say {-own}. "
+        "Correct [encoder] direction (or exchange the encoder's phases) and try again.",
+    )
+
+
+def _moved(intake: Intake, fit: Fit, limits: Limits) -> list[_Suspicion]:
+    """A placement whose board was moved once between two stops: two poses instead of one."""
+    result: list[_Suspicion] = []
+    for placement in range(len(intake.placement_names)):
+        if placement_corners(fit, placement)[0] > limits.placement_corner_px or _rejects(fit, placement):
+            found = _moved_one(intake, fit, placement)
+            result += [found] if found is not None else []
+    return result
+
+
+def _rejects(fit: Fit, placement: int) -> bool:
+    return placement_corners(fit, placement)[1] > 0.05
+
+
+def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
+    """Fit the rest of the recording alone, then this placement as two boards, split at the best stop."""
+    everything = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    others = fit_estimate(fit.estimate, everything.without(placement), CORNERS_ONLY)
+    corners = intake.corners.kept((intake.corners.placement == placement) & ~intake.corners.moving)
+    frames = np.unique(corners.frame)
+    best: tuple[float, float, int] | None = None
+    for stop in frames[1:]:
+        early = corners.frame < stop
+        parts = [_posed(others.estimate, intake, corners.kept(half)) for half in (early, ~early)]
+        rms = float(np.sqrt(np.mean(np.concatenate([part[0] for part in parts]) ** 2)))
+        if best is None or rms < best[0]:
+            best = (rms, float(np.linalg.norm(parts[0][1][:3, 3] - parts[1][1][:3, 3])), int(stop))
+    if best is None or best[1] < _MOVED_MM:
+        return None
+    left = float(np.hypot(_misfit_px(others), best[0]))
+    return _Suspicion(
+        left if best[0] < _TOLERANCE_PX else np.inf,
+        f"placement {intake.placement_names[placement]}: the board was moved by {best[1]:.1f} mm before frame "
+        f"{intake.recording.frames[best[2]].frame}. Fix it firmly and repeat this placement.",
+    )
+
+
+def _posed(estimate: Estimate, intake: Intake, corners: Corners) -> tuple[Floats, Floats]:
+    """Residuals (px, up to 3) and pose of one board fitted to some corners, the machine held."""
+    sightings = Sightings(intake.times, corners, NO_STRIPES, intake.placement_names)
+    placement = int(corners.placement[0])
+    fit = fit_estimate(estimate, sightings, POSES_ONLY, rounds=8)
+    misfit = corner_misfit_px(fit.estimate, corners, head_angles(fit.estimate, sightings)).ravel()
+    return np.minimum(np.abs(misfit), 3.0), inverse_rigid(inverse_rigid(fit.estimate.world_from_board[placement]))
+
+
+def _lens(intake: Intake, fit: Fit) -> _Suspicion | None:
+    """The picture sits elsewhere on the sensor from some placement on."""
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    free = fit_estimate(fit.estimate, sightings, Unknowns(_FREE_LENS, POSE + LENS))
+    shift = free.estimate.doubts[:, len(SHAPE) :]
+    jump = np.hypot(*np.diff(shift, axis=0).T)
+    at = int(np.argmax(jump))
+    if jump[at] < MOST_KNOCK_PX:
+        return None
+    one, two = intake.placement_names[at], intake.placement_names[at + 1]
+    return _Suspicion(
+        _misfit_px(free),
+        f"the picture jumps by {jump[at]:.1f} px between placements {one} and {two}: the lens or the camera was "
+        "knocked. Fix both and record everything again.",
+    )
+
+
+def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:
+    """The board itself: unequal scale, another size, or bent."""
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    free = fit_estimate(fit.estimate, sightings, Unknowns(CORNERS_ONLY.machine, POSE + SHAPE))
+    failed = [gate for gate in shape_gates(board_shape(intake, fit), intake.placement_names) if not gate.passed]
+    if not failed:
+        return None
+    worst = max(failed, key=lambda gate: gate.value / gate.limit)
+    return _Suspicion(_misfit_px(free), worst.sentence())
+
+
+def _nothing(intake: Intake, fit: Fit) -> str:
+    """No single explanation: name the worst placement and its worst frames."""
+    rms = [placement_corners(fit, p)[0] for p in range(len(intake.placement_names))]
+    worst = int(np.argmax(rms))
+    if min(rms) > 1.0:
+        return (
+            "the corners fit no machine of this design in any placement: scanner.toml (encoder steps, camera, head) or "
+            "the frames belong to another machine. Correct scanner.toml, or record again."
+        )
+    own = (fit.rows.placement == worst) & (fit.rows.laser < 0)
+    size = {int(f): float(np.median(np.abs(fit.residual_px[own & (fit.rows.frame == f)]))) for f in fit.rows.frame[own]}
+    bad = sorted(size, key=lambda f: -size[f])[:3]
+    which = ", ".join(f"{intake.recording.frames[f].frame} ({size[f]:.1f} px)" for f in sorted(bad))
+    return (
+        f"placement {intake.placement_names[worst]}: its frames contradict the others ({rms[worst]:.2f} px RMS), "
+        f"worst in frames {which}. The board moved, or frames were exchanged: repeat this placement."
+    )

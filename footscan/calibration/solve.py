@@ -1,0 +1,280 @@
+"""The joint estimate: robust Gauss-Newton with Levenberg's damping over everything at once.
+
+Residuals are pixels: corners in both directions, stripe places across their stripe. Their scales are found from the
+residuals themselves. Derivatives are central differences, taken for all boards in one go because no residual depends on
+two boards; so their number does not grow with the placements.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from footscan.calibration.estimate import (
+    CAMERA,
+    FLOOR,
+    HEAD,
+    LEFT,
+    POSE,
+    RIGHT,
+    Estimate,
+    difference_step,
+    moved_boards,
+    moved_machine,
+)
+from footscan.calibration.misfit import corner_misfit_px, head_angles, stripe_misfit_mm, stripe_scale_mm_per_px
+from footscan.calibration.sightings import Sightings
+from footscan.coordinates import Bools, Floats, Ints
+
+TUKEY = 5.0
+"""Residuals beyond this many standard deviations have no weight; below it Tukey's biweight."""
+_HUBER = 1.5
+_LEAST_SCALE_PX = 0.005
+_ROUNDS = 40
+_SETTLED = 0.01
+GROUP_NAMES = (
+    "corners_at_stops",
+    "corners_moving",
+    "stripe_on_plain_board",
+    "stripe_on_pattern",
+    "stripe_on_footboard",
+)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Which unknowns of the machine and of the boards are free; boards of `held` placements stay where they are."""
+
+    machine: tuple[str, ...]
+    boards: tuple[str, ...] = POSE
+
+    def names(self, placements: int) -> list[str]:
+        """All of them, in the order of the columns."""
+        return [*self.machine, *(f"{name}[{p}]" for p in range(placements) for name in self.boards)]
+
+
+FIRMNESS = {"stretch_x": 1e4, "stretch_y": 1e4, "lens_y_px": 1e-2, "lens_z_px": 1e-2}
+"""1 / variance that holds doubts where their common part cannot be seen: 1 % of stretch, 10 px of lens."""
+
+EVERYTHING = Unknowns((*CAMERA, *HEAD, *RIGHT, *LEFT, *FLOOR, "latency_s"))
+POSES_ONLY = Unknowns(())
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What each residual belongs to.
+
+    Attributes:
+        group: `(r,)` index into the kinds of residual.
+        placement: `(r,)` placement or -1.
+        frame: `(r,)` frame.
+        laser: `(r,)` 0, 1, or -1 for corners.
+    """
+
+    group: Ints
+    placement: Ints
+    frame: Ints
+    laser: Ints
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A solved estimate.
+
+    Attributes:
+        estimate: Where it settled.
+        unknowns: What was free.
+        residual_px: `(r,)` residuals.
+        rows: What they belong to.
+        scale_px: Robust standard deviation of each kind of residual.
+        weight: `(r,)` weights 1 / scale^2 times the biweight.
+        jacobian: `(r, k)` at the solution, px per unit.
+        rounds: Rounds used.
+    """
+
+    estimate: Estimate
+    unknowns: Unknowns
+    residual_px: Floats
+    rows: Rows
+    scale_px: Floats
+    weight: Floats
+    jacobian: Floats
+    rounds: int
+    settled: bool
+
+    def normal_matrix(self) -> Floats:
+        """Weighted normal matrix `(k, k)`."""
+        with threadpool_limits(1):
+            return (self.jacobian * self.weight[:, None]).T @ self.jacobian
+
+    def kept(self) -> Bools:
+        """`(r,)` residuals that were not rejected as outliers."""
+        return self.weight > 0.0
+
+
+def rows_of(sightings: Sightings) -> Rows:
+    """Groups, placements, frames and lasers of the residuals: corners twice each (y, z), then stripe places."""
+    corners, stripes = sightings.corners, sightings.stripes
+    group = np.concatenate(
+        [
+            np.repeat(corners.moving.astype(np.int64), 2),
+            np.where(stripes.placement >= 0, np.where(stripes.plain, 2, 3), 4),
+        ]
+    )
+    placement = np.concatenate([np.repeat(corners.placement, 2), stripes.placement])
+    frame = np.concatenate([np.repeat(corners.frame, 2), stripes.frame])
+    laser = np.concatenate([np.full(2 * len(corners), -1, dtype=np.int64), stripes.laser])
+    return Rows(group, placement, frame, laser)
+
+
+def fit_estimate(
+    start: Estimate,
+    sightings: Sightings,
+    unknowns: Unknowns = EVERYTHING,
+    scale_px: Floats | None = None,
+    rounds: int = _ROUNDS,
+) -> Fit:
+    """Solve for all free unknowns at once.
+
+    Args:
+        start: First guess.
+        sightings: Corners and stripe places.
+        unknowns: What is free.
+        scale_px: `(5,)` known scales of the residuals; found from the residuals when left out.
+        rounds: At most so many rounds.
+
+    Returns:
+        The fit; `settled` says whether the steps became small.
+    """
+    with threadpool_limits(1):  # the products are small: two BLAS threads wait for each other
+        return _iterate(start, _Problem(sightings, unknowns, scale_px), rounds)
+
+
+def _iterate(start: Estimate, problem: "_Problem", rounds: int) -> Fit:
+    estimate, damping = start, 1e-6
+    residual = problem.residual_px(estimate)
+    jacobian = problem.jacobian(estimate)
+    scale, weight = problem.weights(residual, first=True)
+    settled = False
+    done = 0
+    for done in range(1, rounds + 1):
+        step, size = _step(jacobian, residual, weight, damping, problem.firmness)
+        trial = problem.moved(estimate, step)
+        trial_residual = problem.residual_px(trial)
+        if problem.cost(trial_residual, scale) > problem.cost(residual, scale) * (1.0 + 1e-9):
+            damping = max(10.0 * damping, 1e-6)
+            settled = size < _SETTLED
+            if damping > 1e8 or settled:
+                break
+            continue
+        damping = max(0.2 * damping, 1e-12)
+        estimate, residual = trial, trial_residual
+        scale, weight = problem.weights(residual, first=done < 3)
+        jacobian = problem.jacobian(estimate)
+        settled = size < _SETTLED
+        if settled and done >= 4:
+            break
+    return Fit(estimate, problem.unknowns, residual, problem.rows, scale, weight, jacobian, done, settled)
+
+
+def _step(jacobian: Floats, residual: Floats, weight: Floats, damping: float, firmness: Floats) -> tuple[Floats, float]:
+    """The damped step, and its size in standard deviations of the unknowns."""
+    weighted = jacobian * weight[:, None]
+    matrix, slope = weighted.T @ jacobian, weighted.T @ residual
+    matrix[np.diag_indices_from(matrix)] += firmness
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scaled = matrix * unit[:, None] * unit[None, :]
+    scaled[np.diag_indices_from(scaled)] += damping + 1e-13
+    step = -unit * np.linalg.solve(scaled, unit * slope)
+    size = float(np.sqrt(max(0.0, -step @ slope) / max(len(step), 1)))
+    return step, size
+
+
+class _Problem:
+    """Residuals and their derivatives for fixed sightings and unknowns."""
+
+    def __init__(self, sightings: Sightings, unknowns: Unknowns, scale_px: Floats | None) -> None:
+        self.sightings, self.unknowns, self.given_scale = sightings, unknowns, scale_px
+        self.rows = rows_of(sightings)
+        names = unknowns.names(len(sightings.placement_names))
+        self.firmness = np.array([FIRMNESS.get(name.split("[")[0], 0.0) for name in names])
+        self._px_per_mm: Floats | None = None
+
+    def residual_px(self, estimate: Estimate) -> Floats:
+        """`(r,)` residuals; the scale from mm to px across the stripe is taken at the first estimate."""
+        theta_rad = head_angles(estimate, self.sightings)
+        corners = corner_misfit_px(estimate, self.sightings.corners, theta_rad)
+        stripes = self.sightings.stripes
+        if self._px_per_mm is None:
+            self.rescale(estimate)
+        assert self._px_per_mm is not None
+        across = stripe_misfit_mm(estimate, stripes, theta_rad) * self._px_per_mm
+        return np.concatenate([corners.ravel(), across])
+
+    def rescale(self, estimate: Estimate) -> None:
+        """Take the scale of the stripe residuals, px per mm, from this estimate."""
+        scale = stripe_scale_mm_per_px(estimate, self.sightings.stripes, head_angles(estimate, self.sightings))
+        self._px_per_mm = 1.0 / np.maximum(scale, 0.02)
+
+    def jacobian(self, estimate: Estimate) -> Floats:
+        """`(r, k)` central differences."""
+        self.rescale(estimate)
+        placements = estimate.placements
+        columns = [self._machine_column(estimate, name) for name in self.unknowns.machine]
+        result = np.zeros((len(self.rows.group), len(columns) + placements * len(self.unknowns.boards)))
+        for k, column in enumerate(columns):
+            result[:, k] = column
+        row = np.flatnonzero(self.rows.placement >= 0)
+        for k, name in enumerate(self.unknowns.boards):
+            at = len(columns) + self.rows.placement[row] * len(self.unknowns.boards) + k
+            result[row, at] = self._board_column(estimate, name)[row]
+        return result
+
+    def _machine_column(self, estimate: Estimate, name: str) -> Floats:
+        h = difference_step(name)
+        ahead, behind = (
+            self.residual_px(replace(estimate, machine=moved_machine(estimate.machine, name, step))) for step in (h, -h)
+        )
+        return (ahead - behind) / (2.0 * h)
+
+    def _board_column(self, estimate: Estimate, name: str) -> Floats:
+        h = difference_step(name)
+        steps = np.full(estimate.placements, h)
+        ahead, behind = (self.residual_px(moved_boards(estimate, name, sign * steps)) for sign in (1.0, -1.0))
+        return (ahead - behind) / (2.0 * h)
+
+    def moved(self, estimate: Estimate, step: Floats) -> Estimate:
+        """The estimate moved by a step `(k,)` of all unknowns."""
+        machine = estimate.machine
+        for name, part in zip(self.unknowns.machine, step, strict=False):
+            machine = moved_machine(machine, name, float(part))
+        result = replace(estimate, machine=machine)
+        of_boards = step[len(self.unknowns.machine) :].reshape(estimate.placements, -1)
+        for k, name in enumerate(self.unknowns.boards):
+            result = moved_boards(result, name, of_boards[:, k])
+        return result
+
+    def weights(self, residual: Floats, first: bool) -> tuple[Floats, Floats]:
+        """Scale per kind, and the weight of every residual; Huber's in the first rounds, then Tukey's biweight."""
+        scale = self._scales(residual) if self.given_scale is None else self.given_scale
+        ratio = np.abs(residual) / scale[self.rows.group]
+        if first:
+            robust = np.minimum(1.0, _HUBER / np.maximum(ratio, 1e-12))
+        else:
+            robust = np.where(ratio < TUKEY, (1.0 - (ratio / TUKEY) ** 2) ** 2, 0.0)
+        return scale, robust / scale[self.rows.group] ** 2
+
+    def _scales(self, residual: Floats) -> Floats:
+        scale = np.ones(len(GROUP_NAMES))
+        for group in range(len(scale)):
+            own = np.abs(residual[self.rows.group == group])
+            if len(own):
+                scale[group] = max(1.4826 * float(np.median(own)), _LEAST_SCALE_PX)
+        return scale
+
+    def cost(self, residual: Floats, scale: Floats) -> float:
+        """Sum of a smooth robust loss (Cauchy's), which falls whenever a step helps most residuals."""
+        ratio = residual / (2.0 * scale[self.rows.group])
+        if not np.all(np.isfinite(ratio)):
+            return np.inf
+        return float(np.sum(np.log1p(ratio**2)))

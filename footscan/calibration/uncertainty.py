@@ -1,0 +1,129 @@
+"""How well an estimate is known: standard deviations of its parameters, and the millimetres they cause."""
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from footscan.calibration.estimate import difference_step, moved_machine
+from footscan.calibration.solve import Fit
+from footscan.coordinates import LASER_NAMES, Bools, Floats, LaserName, pixel_from_uv
+from footscan.geometry.rigid import inverse_rigid
+from footscan.optics import Calibration
+from footscan.optics.calibration import camera_from_world
+from footscan.optics.camera import ray_from_pixel
+
+VOLUME_RADIUS_MM = 170.0
+VOLUME_Z_MM = (0.0, 120.0)
+_GRID_PX = 12
+
+
+def covariance(fit: Fit) -> Floats:
+    """Covariance `(k, k)` of all unknowns.
+
+    Errors of one frame hang together (its corners share light and blur, its stripe places one laser line), so the
+    residuals are summed per frame before they are squared (a sandwich estimate, one cluster per frame).
+    """
+    with threadpool_limits(1):
+        return _sandwich(fit)
+
+
+def _sandwich(fit: Fit) -> Floats:
+    matrix = fit.normal_matrix()
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    inverse = np.linalg.pinv(matrix * unit[:, None] * unit[None, :], rcond=1e-14, hermitian=True)
+    inverse = inverse * unit[:, None] * unit[None, :]
+    score = fit.jacobian * (fit.weight * fit.residual_px)[:, None]
+    frames, place = np.unique(fit.rows.frame * 4 + fit.rows.laser + 1, return_inverse=True)
+    summed = np.zeros((len(frames), score.shape[1]))
+    np.add.at(summed, place, score)
+    clusters = len(frames)
+    return np.asarray(inverse @ (summed.T @ summed) @ inverse * (clusters / max(1, clusters - 1)))
+
+
+def standard_deviations(fit: Fit) -> dict[str, float]:
+    """Standard deviation of every unknown of the machine, in its own unit."""
+    deviation = np.sqrt(np.maximum(np.diag(covariance(fit)), 0.0))
+    return dict(zip(fit.unknowns.machine, (float(x) for x in deviation), strict=False))
+
+
+def condition(fit: Fit) -> float:
+    """Condition number of the problem with every unknown in its own natural unit."""
+    matrix = fit.normal_matrix()
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    values = np.linalg.eigvalsh(matrix * unit[:, None] * unit[None, :])
+    return float(np.sqrt(values[-1] / max(float(values[0]), 1e-300)))
+
+
+def volume_points(machine: Calibration, laser: LaserName, yz_pixel: Floats) -> Floats:
+    """World places `(n, 3)` at theta = 0 of pixels `(n, 2)` through one laser's sheet."""
+    world_from_camera = inverse_rigid(camera_from_world(machine))
+    ray = ray_from_pixel(yz_pixel, machine.camera) @ world_from_camera[:3, :3].T
+    lens = (world_from_camera @ np.array([machine.camera.focal_length_mm, 0.0, 0.0, 1.0]))[:3]
+    sheet = machine.laser(laser)
+    normal = np.array(sheet.normal)
+    return lens + ((sheet.offset_mm - normal @ lens) / (ray @ normal))[:, None] * ray
+
+
+def working_pixels(machine: Calibration, laser: LaserName) -> Floats:
+    """A grid of pixels `(n, 2)` in F whose place on the sheet lies in the volume in which feet are measured."""
+    camera = machine.camera
+    step = max(_GRID_PX, camera.width_px // 48)
+    column, row = np.meshgrid(np.arange(0, camera.width_px, step), np.arange(0, camera.height_px, step))
+    uv = np.column_stack([column.ravel(), row.ravel()]).astype(np.float64)
+    yz_pixel = pixel_from_uv(uv, camera.height_px)
+    return yz_pixel[in_volume(volume_points(machine, laser, yz_pixel))]
+
+
+def in_volume(xyz_world: Floats) -> Bools:
+    """Whether `(n, 3)` places lie within 170 mm of the axis and 120 mm above the board."""
+    near = np.hypot(xyz_world[:, 0], xyz_world[:, 1]) < VOLUME_RADIUS_MM
+    return near & (xyz_world[:, 2] > VOLUME_Z_MM[0]) & (xyz_world[:, 2] < VOLUME_Z_MM[1])
+
+
+def expected_error_mm(fit: Fit) -> dict[LaserName, Floats]:
+    """Standard deviation `(n,)` in mm of the places that pixels of the working volume get, per laser."""
+    spread = covariance(fit)[: len(fit.unknowns.machine), : len(fit.unknowns.machine)]
+    return {name: _error_of_laser(fit, name, spread) for name in LASER_NAMES}
+
+
+def _error_of_laser(fit: Fit, name: LaserName, spread: Floats) -> Floats:
+    machine = fit.estimate.machine
+    yz_pixel = working_pixels(machine, name)
+    slopes = np.stack([_slope(machine, name, yz_pixel, unknown) for unknown in fit.unknowns.machine], axis=-1)
+    variance = np.einsum("nik,kl,nil->n", slopes, spread, slopes)
+    return np.sqrt(np.maximum(variance, 0.0))
+
+
+def _slope(machine: Calibration, laser: LaserName, yz_pixel: Floats, unknown: str) -> Floats:
+    h = difference_step(unknown)
+    ahead, behind = (volume_points(moved_machine(machine, unknown, step), laser, yz_pixel) for step in (h, -h))
+    return (ahead - behind) / (2.0 * h)
+
+
+def error_shares_mm(fit: Fit) -> dict[str, float]:
+    """RMS millimetres in the working volume that the doubt of each unknown causes by itself (both lasers)."""
+    deviation = standard_deviations(fit)
+    machine = fit.estimate.machine
+    pixels = {name: working_pixels(machine, name) for name in LASER_NAMES}
+    return {
+        unknown: float(
+            np.sqrt(
+                np.mean(
+                    [
+                        np.sum((_slope(machine, name, pixels[name], unknown) * deviation[unknown]) ** 2, axis=1).mean()
+                        for name in LASER_NAMES
+                    ]
+                )
+            )
+        )
+        for unknown in fit.unknowns.machine
+    }
+
+
+def machine_difference_mm(one: Calibration, other: Calibration) -> dict[LaserName, Floats]:
+    """Distance `(n,)` in mm between the places that two calibrations give to the same pixels, per laser."""
+    result: dict[LaserName, Floats] = {}
+    for name in LASER_NAMES:
+        yz_pixel = working_pixels(other, name)
+        off = volume_points(one, name, yz_pixel) - volume_points(other, name, yz_pixel)
+        result[name] = np.linalg.norm(off, axis=1)
+    return result
