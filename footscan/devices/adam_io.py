@@ -114,9 +114,12 @@ class AdamIo:
             self._port.close()
 
     def _write(self, bits: int) -> None:
-        """Until the module has shown `bits`, each later call first sends "all off" again: it may have missed this."""
+        """Until the module has shown `bits`, each later call first sends "all off" again: it may have missed this.
+
+        A tripped module ignores the command (`!`) or calls it invalid; what it shows afterwards decides.
+        """
         self._bits, self._doubtful = bits, True
-        self._line.ask("#", f"00{bits:02X}", "[>!]")
+        self._line.ask("#", f"00{bits:02X}", r"[>!]|\?AA")
         shown, _ = self._words()
         if (shown ^ bits) & self._used:
             raise self._disobeyed(shown, bits)

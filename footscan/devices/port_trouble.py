@@ -24,9 +24,9 @@ def opening_sentence(path: Path, err: Exception) -> str:
     return f"{path} cannot be used as a serial port ({err}); give the path of the device's port."
 
 
-def gone_sentence(path: str, err: Exception) -> str:
+def gone_sentence(path: str) -> str:
     """The port was open and is gone."""
-    return f"{path} is gone (unplugged, or without power); plug it in and start again. ({err})"
+    return f"{path} is gone (unplugged, or without power); check the device's cable and supply, then start again."
 
 
 def permission_advice(path: Path) -> str:

@@ -60,7 +60,7 @@ class SerialPort:
         try:
             self._port.write(data)
         except (OSError, TypeError) as err:  # TypeError: closed by another thread in between
-            raise self._gone(err) from err
+            raise self._lost(gone_sentence(self.path)) from err
 
     def read(self, timeout_s: float) -> bytes:
         """Whatever has arrived, or arrives first within `timeout_s`; empty if nothing does.
@@ -72,7 +72,7 @@ class SerialPort:
             ready, _, _ = select.select([self._port.fileno()], [], [], max(timeout_s, 0.0))
             return self._port.read(_CHUNK_BYTES) if ready else b""
         except (OSError, TypeError, ValueError) as err:
-            raise self._gone(err) from err
+            raise self._lost(gone_sentence(self.path)) from err
 
     def wire_s(self, count: int) -> float:
         """Seconds that some bytes take on the wire: start bit, eight bits, stop bit."""
@@ -82,9 +82,6 @@ class SerialPort:
         """Give it back."""
         with contextlib.suppress(OSError):
             self._port.close()
-
-    def _gone(self, err: Exception) -> DeviceError:
-        return self._lost(gone_sentence(self.path, err))
 
 
 class LineSplitter:

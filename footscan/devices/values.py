@@ -15,6 +15,7 @@ class CameraFacts:
         height_px: Of the delivered picture.
         frames_per_s: Asked for.
         exposure_s: Of one frame; how long its light is collected.
+        notes: What the driver did with each setting, for people.
     """
 
     name: str
@@ -22,6 +23,7 @@ class CameraFacts:
     height_px: int
     frames_per_s: float
     exposure_s: float
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
