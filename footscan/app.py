@@ -1,7 +1,6 @@
 """The only module that chooses real, emulated or simulated devices, by what a rig file says."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,28 +20,12 @@ from footscan.sim.objects import build_object
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
 from footscan.sim.standing import Standing
 from footscan.sim.world import World, WorldSettings
+from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import build_tables
 
 _PERSONS: dict[str, PersonSettings] = {"statue": STATUE, "calm": CALM, "restless": RESTLESS}
 _HOME_PLAY_RAD = np.deg2rad(0.3)
 """How far from its place the home switch of a simulated machine may sit."""
-
-
-@dataclass(frozen=True)
-class OpenedRig:
-    """A rig whose devices are open.
-
-    Attributes:
-        rig: Its file.
-        devices: To be given to a `Session`, which closes them.
-        world: What the simulated devices live in; None on a real machine.
-        put_on_board: Lets another foot step onto the simulated board; None on a real machine.
-    """
-
-    rig: Rig
-    devices: RigDevices
-    world: World | None
-    put_on_board: Callable[[Side], None] | None
 
 
 def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:

@@ -16,6 +16,7 @@ FootscanError
 |   |-- EncoderLostError      the encoder is silent, jumps or counts the wrong way
 |   |-- OutputsLostError      the module does not answer or does not obey
 |   |-- WrongDeviceError      a device answers that is not as the rig file says
+|   |   `-- WrongWayError     the head turns against the motor's command
 |   |-- HeadStalledError      the motor is on and the head does not turn
 |   |-- EmergencyStopError    the emergency stop is open
 |   |-- InterlockError        an output was asked for that is not allowed now
@@ -83,6 +84,10 @@ class CameraLostError(DeviceError):
 
 class EncoderLostError(DeviceError):
     """The encoder is silent, jumps or counts the wrong way."""
+
+
+class WrongWayError(EncoderLostError):
+    """The head turns against the motor's command, or the encoder counts against it."""
 
 
 class OutputsLostError(DeviceError):

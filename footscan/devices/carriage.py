@@ -9,7 +9,7 @@ from footscan.devices.clock import Clock
 from footscan.devices.interlock import Interlock, Purpose
 from footscan.devices.protocols import Encoder
 from footscan.devices.values import EncoderSamples
-from footscan.errors import EncoderLostError, HeadStalledError, InterlockError
+from footscan.errors import EncoderLostError, HeadStalledError, InterlockError, WrongWayError
 
 SILENT_S = 0.1
 _KEPT_S = 1.0
@@ -19,7 +19,7 @@ _REST_COUNTS = 2
 _STALL_S = 0.15
 _STALL_SHARE = 0.3
 _STALL_LEAST_RAD = np.deg2rad(0.4)
-_WRONG_WAY_RAD = np.deg2rad(1.0)
+_WRONG_WAY_RAD = np.deg2rad(0.25)
 _JUMP_SPEEDS = 4.0
 _JUMP_COUNTS = 8
 
@@ -199,7 +199,7 @@ class Carriage:
     def _refuse_disobedience(self, command: _Command, now_s: float) -> None:
         turned = command.sign * (self.theta_rad - command.from_rad)
         if turned < -_WRONG_WAY_RAD:
-            raise EncoderLostError(
+            raise WrongWayError(
                 f"the head turns {'clockwise' if command.sign > 0 else 'counter-clockwise'} when the other direction "
                 "is asked for; swap the motor's wires or correct the encoder's direction in the rig file."
             )

@@ -5,6 +5,7 @@ lengths below are those of a foot of about 255 mm (size 1).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -70,6 +71,7 @@ class FootShape:
     hallux_valgus_rad: float = 0.0
 
 
+@lru_cache(maxsize=4)
 def build_foot(shape: FootShape | None = None) -> Surface:
     """The built-in foot in the world: sole on the board, toes along +x, the middle of its outline on the axis.
 

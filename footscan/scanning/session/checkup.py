@@ -10,7 +10,7 @@ import numpy as np
 from footscan.coordinates import LASER_NAMES, Frame, LaserName
 from footscan.devices.interlock import Purpose
 from footscan.devices.values import CameraFrame
-from footscan.errors import EncoderLostError, HeadStalledError
+from footscan.errors import HeadStalledError, WrongWayError
 from footscan.optics.tables import LightTable
 from footscan.scanning.session.checks import TestFrames, judge_light, judge_place
 from footscan.scanning.session.machine import Machine, Program
@@ -140,7 +140,7 @@ def _jog(machine: Machine) -> Generator[None, None, list[Finding]]:
         yield from machine.turned_to(carriage.theta_rad + _JOG_RAD, 1.0, 0)
         yield from machine.come_to_rest()
         yield from machine.go_to(machine.park_rad)
-    except EncoderLostError as err:
+    except WrongWayError as err:
         machine.quiet()
         return [Finding("motor turns the wrong way", str(err))]
     except HeadStalledError as err:

@@ -15,7 +15,7 @@ from footscan.devices.clock import Clock
 from footscan.devices.interlock import Interlock, InterlockLimits
 from footscan.devices.protocols import Camera, DigitalIo, Encoder
 from footscan.devices.values import CameraFacts, CameraFrame
-from footscan.errors import DeviceError, EncoderLostError, FootscanError, InterlockError
+from footscan.errors import DeviceError, EncoderLostError, FootscanError, InputError, InterlockError
 from footscan.optics.calibration import Calibration, EncoderScale
 from footscan.optics.scanner import Scanner
 from footscan.optics.tables import LightTable
@@ -231,12 +231,14 @@ class Session:
             while not self._quit:
                 self._round(machine)
                 self._snapshot = self._take_snapshot()
-                next_s = max(next_s + ROUND_S, self.clock.now_s())
-                self.clock.wait(next_s, self._something_to_do)
+                if self.clock.now_s() >= next_s:
+                    next_s = self.clock.now_s() + ROUND_S
+                wake_s, machine.wake_s = machine.wake_s, np.inf
+                self.clock.wait(min(next_s, wake_s), self._something_to_do)
         except Exception as err:  # noqa: BLE001 - whatever it is, lasers and motor go off
             self._fail(failure_of_thread("controls the machine", err))
         finally:
-            self._stop_program(None)
+            self._stop_program(InterlockError("the machine was closed meanwhile."))
             self._give_back()
             if machine.state is not State.FAULT:
                 machine.say(State.CLOSED)
@@ -347,22 +349,29 @@ class Session:
         machine.carriage.forget_command()
         if isinstance(err, EncoderLostError):
             machine.carriage.lose_home()
-        self._stop_program(err)
+        handled = self._stop_program(err)
         if machine.keeper.thread.failure is not None:
             machine.keeper.abandon()
-        if machine.state is not State.FAULT:
-            machine.say(State.FAULT, str(err))
+        if machine.state is State.FAULT or handled:
+            return
+        refused = isinstance(err, InterlockError | InputError)  # the machine itself is well
+        machine.say(State.STOPPED if refused else State.FAULT, str(err))
 
-    def _stop_program(self, err: FootscanError | None) -> None:
+    def _stop_program(self, err: FootscanError) -> bool:
+        """End the running program with an error; True if it had expected this one and ended well."""
         program, ticket, self._program, self._ticket = self._program, self._ticket, None, None
+        handled = False
         if program is not None:
-            with contextlib.suppress(FootscanError, StopIteration):
-                if err is None:
-                    program.close()
-                else:
-                    program.throw(err)
+            try:
+                program.throw(err)
+                program.close()
+            except StopIteration:
+                handled = True
+            except FootscanError:
+                handled = False
         if ticket is not None:
-            ticket.settle(err or InterlockError("the machine was closed meanwhile."))
+            ticket.settle(None if handled else err)
+        return handled
 
     def _give_back(self) -> None:
         machine = self._machine

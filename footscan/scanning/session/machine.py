@@ -37,6 +37,7 @@ class Machine:
         findings: Of the last check.
         progress: Of the scan, 0 to 1.
         remaining_s: Of the scan.
+        wake_s: The next round is wanted at this moment at the latest.
     """
 
     clock: Clock
@@ -56,6 +57,7 @@ class Machine:
     findings: tuple[Finding, ...] = ()
     progress: float = 0.0
     remaining_s: float = 0.0
+    wake_s: float = np.inf
 
     @property
     def timing(self) -> ExposureTiming:
@@ -105,6 +107,13 @@ class Machine:
             if self.clock.now_s() > gives_up_s:
                 raise otherwise()
             yield
+
+    def gap_after(self, time_s: float) -> float:
+        """The next moment between two exposures, at least a quarter of a period from now."""
+        period_s = 1.0 / self.facts.frames_per_s
+        newest = self.grabber.latest
+        ends_s = time_s if newest is None else self.timing.span_s(newest.time_s)[1]
+        return ends_s + period_s * float(np.ceil((time_s + 0.25 * period_s - ends_s) / period_s))
 
     def pause(self, seconds: float) -> Program:
         """Let time pass."""

@@ -163,25 +163,30 @@ def _tell_progress(machine: Machine, plan: ScanPlan, begun_s: float) -> None:
 
 
 class _LightInTurn:
-    """Which laser shines for the next frame: one, or several in turn, sometimes none, never in a blocked sector."""
+    """Which laser shines for the next frame: one, or several in turn, sometimes none, never in a blocked sector.
+
+    Lasers are switched between two exposures, whose moments follow from the last frame's stamp and the latency.
+    """
 
     def __init__(self, machine: Machine, plan: ScanPlan, leg: SweepLeg) -> None:
-        self._machine, self._plan, self._leg = machine, plan, leg
-        self._for_frame = -1
+        self._machine = machine
+        self._blocked_rad = plan.blocked_rad
+        self._cycle = _cycle(leg.lasers, plan.unlit_every)
         self._turn = 0
+        self._due_s = 0.0
         self._blocked = False
 
     def step(self) -> None:
-        """Once per round: switch the light when a frame has come in, so that the next one has its own."""
+        """Once per round of the control thread."""
         theta = self._machine.carriage.theta_rad
-        self.note_blocked(any(first <= theta <= last for first, last in self._plan.blocked_rad))
-        arrived = self._machine.grabber.arrived
-        if arrived == self._for_frame and not self._blocked:
-            return
-        self._for_frame = arrived
-        wanted = () if self._blocked else self._next()
-        if wanted != self._machine.interlock.outputs.lasers:
-            self._machine.shine(wanted)
+        self.note_blocked(any(first <= theta <= last for first, last in self._blocked_rad))
+        now_s = self._machine.clock.now_s()
+        if self._blocked:
+            self._shine(())
+        elif len(self._cycle) == 1:
+            self._shine(self._cycle[0])
+        else:
+            self._take_turns(now_s)
 
     def note_blocked(self, blocked: bool) -> None:
         """Beams stay off here, and frames are named so."""
@@ -189,12 +194,27 @@ class _LightInTurn:
             self._blocked = blocked
             self._machine.log.blocked.note(self._machine.clock.now_s(), blocked)
 
-    def _next(self) -> tuple[LaserName, ...]:
-        every = self._plan.unlit_every
-        if every > 1 and self._for_frame % every == 0:
-            return ()
-        self._turn += 1
-        return (self._leg.lasers[self._turn % len(self._leg.lasers)],)
+    def _take_turns(self, now_s: float) -> None:
+        if now_s >= self._due_s:
+            self._shine(self._cycle[self._turn % len(self._cycle)])
+            self._turn += 1
+            self._due_s = self._machine.gap_after(now_s)
+        self._machine.wake_s = self._due_s
+
+    def _shine(self, lasers: tuple[LaserName, ...]) -> None:
+        if lasers != self._machine.interlock.outputs.lasers:
+            self._machine.shine(lasers)
+
+
+def _cycle(lasers: tuple[LaserName, ...], unlit_every: int) -> list[tuple[LaserName, ...]]:
+    """The light of successive frames, until it repeats."""
+    cycle: list[tuple[LaserName, ...]] = []
+    lit = len(lasers) * max(unlit_every - 1, 1)
+    for number in range(lit):
+        if unlit_every > 1 and number % (unlit_every - 1) == 0:
+            cycle.append(())
+        cycle.append((lasers[number % len(lasers)],))
+    return cycle
 
 
 def hold(machine: Machine, lasers: tuple[LaserName, ...]) -> Program:

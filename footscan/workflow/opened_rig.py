@@ -1,0 +1,26 @@
+"""`OpenedRig`: a rig with its devices, as `app` hands it out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from footscan.config.rig_file import Rig
+from footscan.coordinates import Side
+from footscan.scanning.session.control import RigDevices
+from footscan.sim.world import World
+
+
+@dataclass(frozen=True)
+class OpenedRig:
+    """A rig whose devices are open.
+
+    Attributes:
+        rig: Its file.
+        devices: To be given to a `Session`, which closes them.
+        world: What the simulated devices live in; None on a real machine.
+        put_on_board: Lets another foot step onto the simulated board; None on a real machine.
+    """
+
+    rig: Rig
+    devices: RigDevices
+    world: World | None
+    put_on_board: Callable[[Side], None] | None
