@@ -9,7 +9,6 @@ import time
 from footscan.devices.serial_port import LineSplitter, SerialPort
 from footscan.errors import OutputsLostError
 
-_TRIES = 2
 _LONGEST_REPLY_BYTES = 16
 
 
@@ -37,8 +36,10 @@ def reply_text(line: bytes, with_checksum: bool) -> str | None:
 class AdamLine:
     """One module on a port; every command is repeated once if nothing sensible comes back, for all may be repeated."""
 
-    def __init__(self, port: SerialPort, address: int, with_checksum: bool, reply_timeout_s: float) -> None:
-        self._port, self._with_checksum, self._timeout_s = port, with_checksum, reply_timeout_s
+    def __init__(
+        self, port: SerialPort, address: int, with_checksum: bool, reply_timeout_s: float, tries: int = 2
+    ) -> None:
+        self._port, self._with_checksum, self._timeout_s, self._tries = port, with_checksum, reply_timeout_s, tries
         self._lines = LineSplitter()
         self.address = f"{address:02X}"
         self.last_exchange_s = time.monotonic()
@@ -52,7 +53,7 @@ class AdamLine:
         command = f"{lead}{self.address}{rest}"
         pattern = re.compile(allowed.replace("AA", self.address))
         heard: list[bytes] = []
-        for _ in range(_TRIES):
+        for _ in range(self._tries):
             reply = self._exchange(command, pattern, heard)
             if reply is not None:
                 self.last_exchange_s = time.monotonic()

@@ -1,7 +1,8 @@
 """What every camera, encoder and digital I/O module must do, whether simulated, emulated, a file or real.
 
 A test class inherits one of these and gives a `device` fixture. Where something has to happen to the device, it gives
-the hook fixtures too; without them those tests are skipped. A device on another clock than the computer's gives `clock`.
+the hook fixtures too; without them those tests are skipped. A device on another clock than the computer's gives
+`clock`.
 """
 
 from collections.abc import Callable
@@ -158,7 +159,7 @@ class EncoderContract(_OnItsClock):
 
 
 class DigitalIoContract(_OnItsClock):
-    """Hooks: `seen()` is what lasers and motor really get; `press(input, closed)`; `silence()`; `reset()`: brown-out."""
+    """Hooks: `seen()` is what really is on, `press(input, closed)`, `silence()`, `reset()` a brown-out."""
 
     @pytest.fixture
     def seen(self, device: DigitalIo) -> Callable[[], Outputs]:

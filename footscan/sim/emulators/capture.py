@@ -1,4 +1,4 @@
-"""An emulated `cv2.VideoCapture` on a V4L2 device, with the quirks of OpenCV's backend, driven by a function of time."""
+"""An emulated `cv2.VideoCapture` on a V4L2 device with the quirks of OpenCV's backend, driven by a function of time."""
 
 import threading
 import time
