@@ -77,11 +77,26 @@ def tell_results(report: dict[str, Any], out: Path) -> None:
                 f"  {zone['zone']:8} right minus left {zone['median_mm']:+.3f} mm median, "
                 f"{zone['rms_mm']:.3f} mm RMS over {zone['overlap_area_mm2'] / 100:.0f} cm2"
             )
+    _tell_verdict(report["verdict"], report["motion"])
     for remark in report["remarks"]:
         STDOUT.print(f"Remark: {remark}")
     if "foot" in report:
         _tell_foot(report["foot"])
     STDOUT.print(f"Results in {out}, start with report.png ({sum(report['seconds'].values()):.1f} s)")
+
+
+def _tell_verdict(verdict: dict[str, Any], motion: dict[str, Any]) -> None:
+    for zone in motion["zones"]:
+        if zone["moved"] is None:
+            STDOUT.print(f"  {zone['zone']:8} motion not judged")
+        else:
+            size, sigma = zone["displacement_mm"], zone["sigma_mm"]
+            STDOUT.print(f"  {zone['zone']:8} {'MOVED' if zone['moved'] else 'still'}: {size:.2f} mm (+- {sigma:.2f})")
+    STDOUT.print(f"Verdict: {verdict['grade']}: {verdict['finding']}")
+    if verdict["kind"] != "none":
+        STDOUT.print(f"  Do: {verdict['action']}")
+    if verdict["spoiled"]:
+        STDOUT.print(f"  Do not use: {', '.join(verdict['spoiled'])}")
 
 
 def _tell_foot(foot: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """Removal of everything that is not the foot: the board, loose specks, other bodies, points off the surface."""
 
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
@@ -25,28 +26,44 @@ _OFF_SURFACE_MM = 0.6
 _OFF_SURFACE_SCALES = 5.0
 
 
-def clean_cloud(cloud: Cloud, *boards: Plane) -> tuple[Cloud, Counter[str]]:
-    """Keep the points of the foot (or of the object that stands on the board).
+def foot_body(cloud: Cloud, *boards: Plane) -> tuple[Cloud, Counter[str]]:
+    """Take away the board, specks and other bodies; what is left is still in two layers where a foot moved.
 
     Args:
         cloud: All points of the scan.
         boards: The calibrated floor, and the visible board where it lies elsewhere: a point must be above all of them.
 
     Returns:
-        The cleaned cloud, and how many points were removed for which reason.
+        The foot's (or the object's) points, and how many were removed for which reason.
     """
     removed: Counter[str] = Counter()
     for reason, test in (
         ("footboard", lambda c: _above(c.xyz_world, boards)),
         ("other body", lambda c: _main_body(c.xyz_world)),
-        ("off the surface", lambda c: _on_surface(c.xyz_world)),
     ):
-        if not len(cloud):
-            break
-        keep = test(cloud)
-        removed[reason] += int(len(keep) - keep.sum())
-        cloud = cloud.where(keep)
+        cloud = _where(cloud, test, reason, removed)
     return cloud, removed
+
+
+def clean_cloud(cloud: Cloud, *boards: Plane) -> tuple[Cloud, Counter[str]]:
+    """Keep the points of the foot (or of the object that stands on the board): `foot_body`, then `smooth_skin`."""
+    body, removed = foot_body(cloud, *boards)
+    skin, off = smooth_skin(body)
+    return skin, removed + off
+
+
+def smooth_skin(cloud: Cloud) -> tuple[Cloud, Counter[str]]:
+    """Remove the points that lie off the smooth surface through their neighbours; their number is in the counter."""
+    removed: Counter[str] = Counter()
+    return _where(cloud, lambda c: _on_surface(c.xyz_world), "off the surface", removed), removed
+
+
+def _where(cloud: Cloud, test: Callable[[Cloud], Bools], reason: str, removed: Counter[str]) -> Cloud:
+    if not len(cloud):
+        return cloud
+    keep = test(cloud)
+    removed[reason] += int(len(keep) - keep.sum())
+    return cloud.where(keep)
 
 
 def _above(xyz_world: Floats, boards: tuple[Plane, ...]) -> Bools:

@@ -1,7 +1,8 @@
 """Zones of the foot for statements about parts of a scan: toes, ball, midfoot, heel, ankle.
 
 Only a rough foot axis is needed here; landmarks have their own, exact one. The leg stands over the heel, so the end of
-the foot that the higher points lie nearer to is the heel.
+the foot that the higher points lie nearer to is the heel. Heights are shares of the foot's length, so that a child's
+ankle is an ankle too.
 """
 
 import numpy as np
@@ -9,11 +10,11 @@ import numpy as np
 from footscan.coordinates import Floats, Ints
 
 ZONES = ("heel", "midfoot", "ball", "toes", "ankle")
-_LOW_MM, _HIGH_MM = 45.0, 60.0
+_LOW, _HIGH = 0.18, 0.24
 _BOUNDS = (0.30, 0.60, 0.80)  # shares of the length: heel | midfoot | ball | toes
-_ANKLE_MM = 70.0
+_ANKLE = 0.27
 _CORE_SHARE = 0.6  # the core line is this share of the foot's length, so that heel and toes have an outside too
-_CORE_DEPTH_MM = 30.0
+_CORE_DEPTH = 0.12
 
 
 def zone_of_points(xyz_world: Floats) -> Ints:
@@ -24,12 +25,13 @@ def zone_of_points(xyz_world: Floats) -> Ints:
     along = (xyz_world[:, :2] - centre) @ axis
     along_low = (low[:, :2] - centre) @ axis
     begin, end = float(along_low.min()), float(along_low.max())
-    high = along[height > _HIGH_MM]
+    size_mm = _size_mm(xyz_world)
+    high = along[height > _HIGH * size_mm]
     heel_first = len(high) == 0 or abs(float(high.mean()) - begin) < abs(float(high.mean()) - end)
     share = (along - begin) / max(end - begin, 1e-9)
     share = share if heel_first else 1.0 - share
     zone = np.searchsorted(_BOUNDS, share)
-    return np.where((height > _ANKLE_MM) & (share < 0.5), ZONES.index("ankle"), zone)
+    return np.where((height > _ANKLE * size_mm) & (share < 0.5), ZONES.index("ankle"), zone)
 
 
 def direction_from_core(xyz_world: Floats) -> Floats:
@@ -43,13 +45,19 @@ def direction_from_core(xyz_world: Floats) -> Floats:
     middle, half = 0.5 * (along_low.min() + along_low.max()), 0.5 * _CORE_SHARE * np.ptp(along_low)
     along = np.clip((xyz_world[:, :2] - centre) @ axis, middle - half, middle + half)
     core = centre + along[:, None] * axis
-    depth = np.maximum(xyz_world[:, 2] - _CORE_DEPTH_MM, 0.0)
+    depth = np.maximum(xyz_world[:, 2] - _CORE_DEPTH * _size_mm(xyz_world), 0.0)
     return xyz_world - np.column_stack([core, depth])
 
 
 def _low_points(xyz_world: Floats) -> Floats:
-    low = xyz_world[:, 2] < _LOW_MM
+    low = xyz_world[:, 2] < _LOW * _size_mm(xyz_world)
     return xyz_world[low] if low.sum() > 10 else xyz_world
+
+
+def _size_mm(xyz_world: Floats) -> float:
+    """About the foot's length, whatever its heading: a foot is about 0.4 as wide as long, which hides a turn by 45
+    degrees to a few per cent."""
+    return float(np.ptp(xyz_world[:, :2], axis=0).max())
 
 
 def _long_axis(xyz_world: Floats) -> tuple[Floats, Floats]:

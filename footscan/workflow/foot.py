@@ -1,6 +1,7 @@
 """From a cleaned cloud to a measured foot: surface, mesh with the origin of its skin, measurements."""
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from footscan.scanning.cloud import Cloud
 from footscan.workflow.report import save_report
 
 MAIN_MEASUREMENTS = ("foot_length", "foot_breadth", "ball_girth", "instep_girth", "heel_breadth", "instep_height")
+Landmarks = Mapping[str, tuple[float, float, float]]
 STACK_SHARES = tuple(k / 20.0 for k in range(1, 20))
 
 
@@ -59,7 +61,11 @@ class MeasuredFoot:
 
 
 def measure_scan(
-    cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings | None = None
+    cloud: Cloud,
+    side: Side | None,
+    subject: Subject,
+    settings: FootSettings | None = None,
+    landmarks: Landmarks | None = None,
 ) -> MeasuredFoot:
     """Fit, close and measure the foot of a cloud.
 
@@ -68,21 +74,24 @@ def measure_scan(
         side: The operator's word; None when nobody said.
         subject: Load and missing parts, as far as somebody said so.
         settings: Filtering and smoothing; None for neither.
+        landmarks: Placed by hand, name -> (x, y, z) in world coordinates.
 
     Raises:
         MeshError: No foot, two, or one that is partly outside the view.
         EmptyScanError: Too few points.
     """
     settings = settings or FootSettings()
-    plain = _fit_and_measure(cloud, side, subject, FootSettings())
+    plain = _fit_and_measure(cloud, side, subject, FootSettings(), landmarks or {})
     if settings == FootSettings():
         return plain
-    changed = _fit_and_measure(cloud, side, subject, settings)
+    changed = _fit_and_measure(cloud, side, subject, settings, landmarks or {})
     price = {"before": main_values(plain), "after": main_values(changed)}
     return replace(changed, price=price)
 
 
-def _fit_and_measure(cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings) -> MeasuredFoot:
+def _fit_and_measure(
+    cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings, landmarks: Landmarks
+) -> MeasuredFoot:
     xyz, weight, laser = cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser
     if settings.filter_strength > 0.0:
         calm = filter_cloud(xyz, FilterSettings(strength=settings.filter_strength))
@@ -92,7 +101,9 @@ def _fit_and_measure(cloud: Cloud, side: Side | None, subject: Subject, settings
         if settings.smooth_mm > 0.0:
             surface = smoothed(surface, settings.smooth_mm)
     mesh = mesh_from_surface(surface)
-    return MeasuredFoot(surface, mesh, measure(mesh, side, load=subject.load, absent=subject.absent), {})
+    by_hand = {name: np.array(xyz) for name, xyz in landmarks.items()}
+    values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand)
+    return MeasuredFoot(surface, mesh, values, {})
 
 
 def main_values(foot: MeasuredFoot) -> dict[str, float]:
@@ -134,8 +145,8 @@ def foot_report(foot: MeasuredFoot) -> dict[str, Any]:
     }
 
 
-def save_foot(foot: MeasuredFoot, folder: Path, title: str) -> None:
-    """Write surface.*, measurements.json, sections.* and report.png, each whole or not at all."""
+def save_foot(foot: MeasuredFoot, folder: Path, title: str, notes: Sequence[str] = ()) -> None:
+    """Write surface.*, measurements.json, sections.* and report.png, each whole or not at all; notes go on the page."""
     save_surface_stl(foot.mesh, folder / "surface.stl")
     save_surface_ply(foot.mesh, folder / "surface.ply", "footscan, mm, world coordinates")
     save_surface_json(foot.surface.tube, folder / "surface.json")
@@ -145,4 +156,4 @@ def save_foot(foot: MeasuredFoot, folder: Path, title: str) -> None:
     stack = cut_stack(shell_from_mesh(foot.mesh), foot.measurements, STACK_SHARES)
     write_whole(folder / "sections.csv", stack_csv(stack).encode())
     write_whole(folder / "sections.dxf", sections_dxf(stack).encode())
-    save_report(foot.mesh, foot.measurements, folder / "report.png", title)
+    save_report(foot.mesh, foot.measurements, folder / "report.png", title, notes)

@@ -3,7 +3,7 @@
 import sys
 import time
 from collections import Counter
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
@@ -18,13 +18,16 @@ from footscan.errors import EmptyScanError, InputError, MachineMismatchError, Re
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.tables import LightTable, build_table
 from footscan.scanning.agreement import ZoneAgreement, agreement_by_zone, find_overlap, merge_lasers
-from footscan.scanning.cleaning import clean_cloud
+from footscan.scanning.cleaning import foot_body, smooth_skin
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
 from footscan.scanning.footboard import BoardCheck, check_board
+from footscan.scanning.motion import MotionResult, frame_table, judge_motion
 from footscan.scanning.recording import Recording
 from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_frames
 from footscan.scanning.verify import against_manifest
-from footscan.workflow.foot import FootSettings
+from footscan.workflow.blocked_sectors import usual_step_rad
+from footscan.workflow.foot import FootSettings, MeasuredFoot
+from footscan.workflow.verdict import Evidence, Verdict, judge_scan, motion_report, verdict_report
 
 ObjectKind = Literal["foot", "last"]
 FEWEST_POINTS = 2000
@@ -34,7 +37,10 @@ _MOST_REJECTED = 0.05
 
 @dataclass(frozen=True)
 class ProcessSettings:
-    """What may be chosen: how frames become points, what the object is, and what the operator says of it."""
+    """What may be chosen: how frames become points, what the object is, and what the operator says of it.
+
+    None takes the recording's word. Landmarks by hand are in mm in the coordinates of the recording.
+    """
 
     sweep: SweepSettings = field(default_factory=SweepSettings)
     kind: ObjectKind = "foot"
@@ -43,6 +49,8 @@ class ProcessSettings:
     load: Load | None = None
     surface: CoverKind | None = None
     foot: FootSettings = field(default_factory=FootSettings)
+    absent: tuple[str, ...] | None = None
+    landmarks: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -56,6 +64,7 @@ class ScanResult:
     removed: Counter[str]
     agreement: list[ZoneAgreement]
     board: BoardCheck
+    motion: MotionResult
     remarks: list[str]
     seconds: dict[str, float]
 
@@ -140,17 +149,21 @@ def process_recording(
         board = check_board(whole, calibration.floor)
     with stages.stage("clean"):
         visible = () if board.plane is None else (board.plane,)
-        cloud, removed = clean_cloud(whole, calibration.floor, *visible)
+        body, removed = foot_body(whole, calibration.floor, *visible)
+        cloud, off = smooth_skin(body)
     if len(cloud) < FEWEST_POINTS:
         raise EmptyScanError(
             f"{len(cloud)} points are left of {len(whole)} stripe points, at least {FEWEST_POINTS} make an object; "
             "check that something stands on the board, the threshold and the exposure, and scan again."
         )
+    with stages.stage("motion"):
+        motion = judge_motion(body, frame_table(recording.frames, sweep.matrix))
     with stages.stage("agreement"):
         agreement = agreement_by_zone(cloud, find_overlap(cloud))
         cloud = merge_lasers(cloud)
     remarks += [board.remark] if board.remark else []
-    return ScanResult(recording, calibration, sweep, cloud, removed, agreement, board, remarks, stages.seconds)
+    parts = (cloud, removed + off, agreement, board, motion, remarks, stages.seconds)
+    return ScanResult(recording, calibration, sweep, *parts)
 
 
 def _both_lasers(recording: Recording, sweep: SweepResult, one_laser: bool) -> list[str]:
@@ -213,10 +226,28 @@ def points_per_laser(sweep: SweepResult) -> dict[LaserName, int]:
     return {name: int(matrix.points_per_frame[matrix.laser == code].sum()) for code, name in enumerate(LASER_NAMES)}
 
 
+def scan_verdict(result: ScanResult, foot: MeasuredFoot | None = None) -> Verdict:
+    """The verdict on a processed scan; with the foot it can name the measurements that a blocked sector spoils."""
+    evidence = Evidence(
+        calibration=result.calibration,
+        machine_id=result.recording.scanner.machine_id,
+        scanned=result.recording.info.created,
+        board=result.board,
+        motion=result.motion,
+        brightest=dict(result.sweep.brightest),
+        threshold=result.sweep.threshold,
+        xyz_world=result.cloud.xyz_world,
+        step_rad=usual_step_rad(result.sweep.matrix),
+        foot=foot,
+    )
+    return judge_scan(evidence)
+
+
 def known_subject(result: ScanResult, settings: ProcessSettings) -> Subject:
     """What is known of the person: the recording's word, overruled by what was given with the command."""
     stored = result.recording.info.subject
-    return replace(stored, load=settings.load or stored.load, surface=settings.surface or stored.surface)
+    absent = stored.absent if settings.absent is None else settings.absent
+    return replace(stored, load=settings.load or stored.load, surface=settings.surface or stored.surface, absent=absent)
 
 
 def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]:
@@ -242,8 +273,12 @@ def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]
         "threshold_source": "automatic" if settings.sweep.threshold is None else "given",
         "filter": asdict(settings.sweep.picture_filter),
         "stripe": asdict(settings.sweep.stripe),
+        "one_laser": settings.one_laser,
+        "foot_settings": asdict(settings.foot),
         "agreement": [asdict(zone) for zone in result.agreement],
         "floor_check": asdict(board),
+        "motion": motion_report(result.motion),
+        "verdict": verdict_report(scan_verdict(result)),
         "remarks": result.remarks,
         "seconds": result.seconds,
         "calibration": {

@@ -1,6 +1,8 @@
 """report.png: one page with the foot from above and from the side, sections, and the numbers."""
 
 import io
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +30,10 @@ _LIGHT = np.array([0.25, 0.35, 0.9]) / np.linalg.norm([0.25, 0.35, 0.9])
 _PIXEL_MM = 0.4
 
 
-def save_report(mesh: trimesh.Trimesh, measured: Measurements, path: Path, title: str) -> None:
-    """Draw the page; the mesh is in the coordinates the measurements were taken in."""
+def save_report(
+    mesh: trimesh.Trimesh, measured: Measurements, path: Path, title: str, notes: Sequence[str] = ()
+) -> None:
+    """Draw the page; the mesh is in the coordinates the measurements were taken in. Notes (the verdict) come first."""
     figure = Figure(figsize=(15.5, 10.0), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 0.85), height_ratios=(1.0, 0.85))
@@ -39,7 +43,7 @@ def save_report(mesh: trimesh.Trimesh, measured: Measurements, path: Path, title
     _draw_foot(figure.add_subplot(grid[0, 0]), xyz_foot, faces, origin, (0, 1, 2), "From above")
     _draw_foot(figure.add_subplot(grid[1, 0]), xyz_foot, faces, origin, (0, 2, 1), "Medial side")
     _draw_sections(figure.add_subplot(grid[1, 1]), mesh, measured)
-    _write_numbers(figure.add_subplot(grid[0, 1]), measured)
+    _write_numbers(figure.add_subplot(grid[0, 1]), measured, notes)
     figure.suptitle(f"{title} - {measured.side} foot, axis {measured.axis}, load {measured.load}", fontsize=13)
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
@@ -94,13 +98,16 @@ def _draw_sections(axes: Any, mesh: trimesh.Trimesh, measured: Measurements) -> 
     axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5))
 
 
-def _write_numbers(axes: Any, measured: Measurements) -> None:
+def _write_numbers(axes: Any, measured: Measurements, said: Sequence[str]) -> None:
     axes.axis("off")
     lines = [_row(name, value) for name, value in measured.measurements.items() if value.value is not None]
     header = f"{'measurement':27}{'value':>9} {'unit':4} {'interval':>17}  mark"
     notes = [SOLE_SENTENCE, *(f"? {question}" for question in measured.questions)]
     sizes = ", ".join(f"{name} {value}" for name, value in measured.sizes.items() if isinstance(value, float | int))
-    text = "\n".join([header, "-" * 66, *lines, "-" * 66, f"Sizes (indicative): {sizes}", *notes])
+    verdict = [line for note in said for line in textwrap.wrap(note, 92, subsequent_indent="  ")]
+    text = "\n".join(
+        [*verdict, *([""] if said else []), header, "-" * 66, *lines, "-" * 66, f"Sizes (indicative): {sizes}", *notes]
+    )
     legend = "mark: ok = reliable; ? = see the reason in measurements.json; ! = unusual against the norm"
     axes.text(
         0.0, 1.0, text + "\n" + legend, family="monospace", fontsize=8.0, va="top", transform=axes.transAxes, wrap=True

@@ -10,7 +10,8 @@ from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityErr
 from footscan.scanning.point_file import save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
-from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report
+from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report, scan_verdict
+from footscan.workflow.verdict import verdict_lines, verdict_report
 
 FOOT_FILES = (
     "surface.stl",
@@ -71,11 +72,13 @@ def _add_foot(
     subject = known_subject(result, settings)
     try:
         with stages.stage("surface and measurements"):
-            foot = measure_scan(result.cloud, side, subject, settings.foot)
+            foot = measure_scan(result.cloud, side, subject, settings.foot, settings.landmarks)
     except (MeshError, EmptyScanError) as refusal:
         report["foot"] = {"refused": str(refusal)}
         return refusal
     report["foot"] = foot_report(foot)
+    verdict = scan_verdict(result, foot)
+    report["verdict"] = verdict_report(verdict)
     seen = report["foot"]["skin"]["seen"]
     if seen < LEAST_SEEN:
         refusal = QualityError(
@@ -87,5 +90,5 @@ def _add_foot(
     if seen < USUALLY_SEEN:
         report["remarks"].append(f"only {seen:.0%} of the skin was seen, usual are 60 %: take more frames per turn")
     with stages.stage("surface files and report.png"):
-        save_foot(foot, folder, result.recording.folder.name)
+        save_foot(foot, folder, result.recording.folder.name, verdict_lines(verdict, result.motion))
     return None
