@@ -126,8 +126,10 @@ class AdamModel(Strict):
             for name, channel in channels.items():
                 if channel >= count:
                     yield f"{name} is on {kind} {channel}, {self.dialect} has {kind}s 0 to {count - 1}"
-            if len(set(channels.values())) < len(channels):
-                yield f"two signals share one {kind} ({channels}), give each its own"
+            for channel in channels.values():
+                sharing = [name for name, other in channels.items() if other == channel]
+                if len(sharing) > 1:
+                    yield f"{' and '.join(sharing)} share {kind} {channel}, give each its own"
         unwired = set(self.outputs.inverted) & {"speed", "lamp", "buzzer"} - _wired(self.outputs)
         if unwired:
             yield f"inverted names outputs that are not wired: {', '.join(sorted(unwired))}"

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from footscan.config.device_models import DevicesModel
+from footscan.config.device_models import DevicesModel, V4l2CameraModel
+from footscan.config.io_models import AdamModel
 from footscan.config.scanner_file import ScannerModel
 from footscan.config.toml_file import Strict, load_file, tuple_from_list
 from footscan.optics.scanner import Scanner
@@ -88,6 +89,25 @@ class RigModel(ScannerModel):
 
     motion: MotionModel
     devices: DevicesModel
+
+    @model_validator(mode="after")
+    def _fitting(self) -> "RigModel":
+        for mistake in self._misfits():
+            raise ValueError(mistake)
+        return self
+
+    def _misfits(self) -> Iterator[str]:
+        camera, io, motion = self.devices.camera, self.devices.io, self.motion
+        if camera.exposure_s * motion.frames_per_s > 1.0:
+            yield f"an exposure of {camera.exposure_s:g} s is longer than a frame at {motion.frames_per_s:g} frames/s"
+        if isinstance(camera, V4l2CameraModel) and motion.frames_per_s != round(motion.frames_per_s):
+            yield f"frames_per_s {motion.frames_per_s:g} must be a whole number for a V4L2 camera"
+        speeds = len(motion.speeds_deg_per_s)
+        if isinstance(io, AdamModel) and speeds > 1 << len(io.outputs.speed):
+            yield (
+                f"{speeds} speeds_deg_per_s need {(speeds - 1).bit_length()} speed outputs, "
+                f"{len(io.outputs.speed)} are wired"
+            )
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The driver of each kind of real device that a rig file may name."""
 
-from footscan.config.device_models import DevicesModel, FileCameraModel, QsbModel, V4l2CameraModel
+from footscan.config.device_models import FileCameraModel, QsbModel, V4l2CameraModel
 from footscan.config.io_models import AdamModel
 from footscan.devices.adam_io import AdamIo
 from footscan.devices.file_camera import open_file_camera
@@ -42,13 +42,3 @@ def open_io(model: AdamModel) -> AdamIo:
         WrongDeviceError: Another module answers.
     """
     return AdamIo(model)
-
-
-def at_ports(devices: DevicesModel, encoder_port: str, io_port: str) -> DevicesModel:
-    """The same devices with the ports of emulators in place of "emulated"."""
-    encoder, io = devices.encoder, devices.io
-    if isinstance(encoder, QsbModel):
-        encoder = encoder.model_copy(update={"port": encoder_port})
-    if isinstance(io, AdamModel):
-        io = io.model_copy(update={"port": io_port})
-    return devices.model_copy(update={"encoder": encoder, "io": io})

@@ -58,7 +58,7 @@ class SimCamera:
             )
         clock.wait(due_s, lambda: self._closed)
         self._next = number + 1
-        return CameraFrame(self._expose(exposed_s, number), due_s, number)
+        return CameraFrame(self.expose(exposed_s, number), due_s, number)
 
     def close(self) -> None:
         """Stop the frames."""
@@ -69,7 +69,8 @@ class SimCamera:
         settings = self._world.settings
         return Painter(self._world.machine.calibration, self._painted.surface, settings.picture, settings.seed)
 
-    def _expose(self, exposed_s: float, number: int) -> Frame:
+    def expose(self, exposed_s: float, number: int) -> Frame:
+        """The picture of a moment; `number` seeds its noise. For one thread at a time."""
         world = self._world
         theta_rad = float(world.theta_at(np.array([exposed_s]))[0])
         if world.standing is not self._painted:

@@ -32,6 +32,7 @@ class AdamEmulator:
     Attributes:
         baud: As set in the module.
         mute: Neither hears nor speaks; its own watchdog runs on.
+        garbles: Hears well and answers nonsense.
         powered: It has a supply.
         outputs: The output word.
     """
@@ -55,7 +56,8 @@ class AdamEmulator:
             with_checksum: As set in the module.
             obeys_tripped: An ADAM that has tripped takes output commands at once (the manual does not say).
         """
-        self.baud, self.mute, self.powered, self.outputs = baud, False, True, 0
+        self.baud, self.powered, self.outputs = baud, True, 0
+        self.mute = self.garbles = False
         self._dialect, self._panel = TERMINALS[dialect], panel
         self._address, self._with_checksum = f"{address:02X}", with_checksum
         self._obeys_tripped, self._typed, self._lock = obeys_tripped, bytearray(), threading.RLock()
@@ -112,6 +114,12 @@ class AdamEmulator:
         self.lose_power(time_s)
         self.restore_power(time_s)
 
+    def trip(self, time_s: float) -> None:
+        """Its watchdog trips now, as if it had not been fed."""
+        with self._lock:
+            self._switch(self._safe_bits, time_s)
+            self._tripped = True
+
     def _answer(self, line: bytes, time_s: float) -> str | None:
         text = reply_text(line, self._with_checksum)
         if text is None:
@@ -125,7 +133,7 @@ class AdamEmulator:
         return f"?{self._address}" if addressed and text[:1] != "~" else None
 
     def _framed(self, reply: str) -> bytes:
-        text = reply.encode()
+        text = bytes(byte ^ 0x2A for byte in reply.encode()) if self.garbles else reply.encode()
         return text + (checksum(text) if self._with_checksum else b"") + b"\r"
 
     def _shared(self) -> dict[str, "Action"]:
