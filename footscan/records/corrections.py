@@ -8,11 +8,11 @@ from sqlalchemy.orm import Session
 from footscan.errors import InputError
 from footscan.records.opened import find_row, patient_of_take
 from footscan.records.results import take_from_row
-from footscan.records.spelling import needed
+from footscan.records.spelling import check_word, needed
 from footscan.records.tables import FootRow, PatientRow, TakeRow, VisitRow
-from footscan.records.takes import TakeRecords, in_use, next_number
+from footscan.records.takes import LOADS, SURFACES, TakeRecords, in_use, next_number
 from footscan.records.values import Correction, Take
-from footscan.records.visits import find_foot, foot_row, side_of
+from footscan.records.visits import SIDES, find_foot, foot_row, side_of
 
 
 class CorrectionRecords(TakeRecords):
@@ -28,6 +28,7 @@ class CorrectionRecords(TakeRecords):
             InputError: No such take or patient, nothing to correct, or no reason.
         """
         reason = needed(reason, "the reason")
+        _check_words(right)
         with self._database.writing() as session:
             take = find_row(session, TakeRow, take_id)
             before = _place(session, take)
@@ -74,6 +75,13 @@ class CorrectionRecords(TakeRecords):
         take.foot_id, take.load = target.id, load
         session.flush()
         _remove_if_empty(session, visit)
+
+
+def _check_words(right: Correction) -> None:
+    given = (("the side", right.side, SIDES), ("the load", right.load, LOADS), ("the surface", right.surface, SURFACES))
+    for what, value, allowed in given:
+        if value is not None:
+            check_word(value, allowed, what)
 
 
 def _place(session: Session, take: TakeRow) -> dict[str, Any]:

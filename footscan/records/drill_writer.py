@@ -13,6 +13,7 @@ from random import Random
 from footscan.coordinates import Side
 from footscan.records.data_folder import SCANS
 from footscan.records.drill_ledger import Ledger
+from footscan.records.results import CALIBRATION
 from footscan.records.store import RecordStore
 from footscan.records.values import Correction, Measured, NewPatient, NewResult, NewTake, Take
 from footscan.scanning.recorder import manifest_of
@@ -68,7 +69,7 @@ class Writer:
         made = self._random.random() < 0.7
         if made:
             self._make_results(scan / "results")
-            _write(scan / "calibration.toml", b"drill = true\n")
+            _write(scan / CALIBRATION, b"drill = true\n")
         self._ledger.begin("file", patient=patient)
         take = self._store.file_take(
             patient,
@@ -76,7 +77,7 @@ class Writer:
             scan / "recording",
             _result(said) if made else None,
             scan / "results" if made else None,
-            scan / "calibration.toml" if made else None,
+            scan / CALIBRATION if made else None,
         )
         self._ledger.done(
             "file",

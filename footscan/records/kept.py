@@ -1,5 +1,7 @@
 """What lies in the data folder: leftovers of killed programs, and whether everything kept is whole."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -28,6 +30,16 @@ class Leftover:
 
 class KeptFiles(OpenRecords):
     """Files of the data folder."""
+
+    @contextmanager
+    def workspace(self) -> Generator[Path]:
+        """A folder on the disk of the records for results in the making; gone afterwards.
+
+        Raises:
+            StorageError: The disk is full or cannot be written.
+        """
+        with self._vault.workspace() as place:
+            yield place
 
     def find_leftovers(self) -> list[Leftover]:
         """What killed programs left; waits for a writer, because what is being stored is no leftover."""

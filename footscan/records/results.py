@@ -50,7 +50,10 @@ class ResultRecords(OpenRecords):
             InputError: No such take.
             StorageError: The disk is full or cannot be written; nothing was filed.
         """
-        with self._staged_result(result, results, calibration, link=False) as made, self._storing() as storing:
+        with ExitStack() as stack:
+            kept = stack.enter_context(self._staged_calibration(calibration))
+            made = stack.enter_context(self._staged_result(result, results, kept, link=False))
+            storing = stack.enter_context(self._storing())
             row = find_row(storing.session, TakeRow, take_id)
             self._add_result(storing, row, made, by, reason)
         return self.take(take_id)
@@ -84,14 +87,15 @@ class ResultRecords(OpenRecords):
         with self._database.reading() as session:
             return self._vault.path(find_row(session, ResultRow, result_id).files_sha256)
 
-    def calibration_file(self, result_id: int) -> Path | None:
-        """The calibration file a result was made with, when it was kept.
+    def calibration_file(self, take_id: int) -> Path | None:
+        """The calibration of the latest result of a take, else the one it was filed with; None when none was kept.
 
         Raises:
-            InputError: There is no such result.
+            InputError: There is no such take.
         """
-        with self._database.reading() as session:
-            sha256 = find_row(session, ResultRow, result_id).calibration_files
+        take = self.take(take_id)
+        latest = None if take.result is None else take.result.calibration_files
+        sha256 = latest or take.calibration_files
         return None if sha256 is None else self._vault.path(sha256) / CALIBRATION
 
     def place_landmark(self, take_id: int, name: str, xyz_world: tuple[float, float, float], by: str) -> Take:
@@ -131,18 +135,22 @@ class ResultRecords(OpenRecords):
 
     @contextmanager
     def _staged_result(
-        self, result: NewResult | None, results: Path | None, calibration: Path | None, *, link: bool
+        self, result: NewResult | None, results: Path | None, calibration: Staged | None, *, link: bool
     ) -> Generator[StagedResult | None]:
-        """The files of a result and its calibration on the disk; None when there is no result."""
+        """The files of a result on the disk; None when there is no result."""
         if result is None or results is None:
             yield None
             return
-        with ExitStack() as stack:
-            files = stack.enter_context(self._vault.staged(results, link=link))
-            kept = None
-            if calibration is not None:
-                kept = stack.enter_context(self._vault.staged_file(calibration, CALIBRATION))
-            yield StagedResult(result, files, kept)
+        with self._vault.staged(results, link=link) as files:
+            yield StagedResult(result, files, calibration)
+
+    @contextmanager
+    def _staged_calibration(self, calibration: Path | None) -> Generator[Staged | None]:
+        if calibration is None:
+            yield None
+            return
+        with self._vault.staged_file(calibration, CALIBRATION) as kept:
+            yield kept
 
     def _add_result(
         self, storing: Storing, take: TakeRow, made: StagedResult | None, by: str, reason: str = ""
@@ -161,7 +169,7 @@ class ResultRecords(OpenRecords):
             versions=dict(new.versions),
             refused=new.refused,
             files_sha256=storing.keep("results", made.files),
-            calibration_files=None if made.calibration is None else storing.keep("calibration", made.calibration),
+            calibration_files=keep_calibration(storing, made.calibration),
         )
         session.add(row)
         session.flush()
@@ -173,6 +181,11 @@ class ResultRecords(OpenRecords):
     ) -> None:
         patient_id, subject = patient_of_take(session, take), f"take {take.id}"
         self._log(session, by, action, patient_id=patient_id, subject=subject, reason=reason, detail=detail)
+
+
+def keep_calibration(storing: Storing, kept: Staged | None) -> str | None:
+    """Keep a calibration, when there is one; its hash."""
+    return None if kept is None else storing.keep("calibration", kept)
 
 
 def _measurement_rows(session: Session, result_id: int, measured: Iterable[Measured]) -> list[MeasurementRow]:
@@ -235,6 +248,7 @@ def take_from_row(session: Session, row: TakeRow) -> Take:
         verdict_remark=row.verdict_remark,
         in_use=row.in_use,
         recording_sha256=row.recording_sha256,
+        calibration_files=row.calibration_files,
         result=None if result is None else _result(session, result),
         landmarks=tuple(
             Landmark(mark.name, (mark.x_world_mm, mark.y_world_mm, mark.z_world_mm), mark.placed_by, mark.placed)

@@ -1,5 +1,6 @@
 """Checks of what people type: names in any script, dates of birth, numbers, reasons."""
 
+import re
 import unicodedata
 from datetime import date
 
@@ -10,6 +11,10 @@ NUMBER_LIMIT = 64
 LINE_LIMIT = 500
 NOTES_LIMIT = 5000
 FIRST_BIRTH = date(1900, 1, 1)
+_WHOLE_LETTERS = str.maketrans(
+    {"ł": "l", "ø": "o", "đ": "d", "ð": "d", "þ": "th", "æ": "ae", "œ": "oe", "ħ": "h", "ı": "i"}
+)
+"""Letters that a keyboard of another country lacks and Unicode does not take apart."""
 _TURNS_TEXT = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 """Marks that reorder what is beside them: a name with one could make a list show another name."""
 
@@ -59,6 +64,16 @@ def needed(text: str, what: str) -> str:
     return line
 
 
+def check_word(value: str, allowed: tuple[str, ...], what: str) -> None:
+    """One of a few words, such as a side or a load.
+
+    Raises:
+        InputError: Another word.
+    """
+    if value not in allowed:
+        raise InputError(f"{what} is {value!r}; allowed are {', '.join(allowed)}.")
+
+
 def clean_number(text: str | None) -> str | None:
     """The clinic's own number of a patient; None when there is none.
 
@@ -89,7 +104,7 @@ def born_from_text(text: str) -> date:
         InputError: Not a date, or one that no calendar has.
     """
     try:
-        if len(text) != 10:
+        if re.fullmatch("[0-9]{4}-[0-9]{2}-[0-9]{2}", text) is None:
             raise ValueError
         return date.fromisoformat(text)
     except ValueError:
@@ -104,10 +119,10 @@ def key_of_name(name: str) -> str:
 
 
 def search_key(text: str) -> str:
-    """A name as it is searched: without case, accents and other marks (José is found by jose)."""
+    """A name as it is searched: without case, accents and other marks (José is found by jose, Łódź by lodz)."""
     apart = unicodedata.normalize("NFKD", key_of_name(text))
     plain = "".join(mark for mark in apart if not unicodedata.combining(mark)).casefold()
-    return " ".join(unicodedata.normalize("NFC", plain).split())
+    return " ".join(unicodedata.normalize("NFC", plain.translate(_WHOLE_LETTERS)).split())
 
 
 def _refuse_marks(text: str, what: str, allowed: str) -> None:

@@ -135,6 +135,7 @@ class TakeRow(Row):
     in_use: Mapped[bool]
     source: Mapped[str | None]
     recording_sha256: Mapped[str] = mapped_column(ForeignKey("stored.sha256"), unique=True)
+    calibration_files: Mapped[str | None] = mapped_column(ForeignKey("stored.sha256"), index=True)
 
 
 class ResultRow(Row):

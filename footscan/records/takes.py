@@ -3,15 +3,17 @@
 import contextlib
 from contextlib import ExitStack
 from pathlib import Path
+from typing import get_args
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from footscan.config.recording_file import Load, Surface
 from footscan.errors import InputError
 from footscan.records.data_folder import SCANS
 from footscan.records.opened import find_row, patient_of_take
-from footscan.records.results import ResultRecords, take_from_row
-from footscan.records.spelling import needed
+from footscan.records.results import CALIBRATION, ResultRecords, keep_calibration, take_from_row
+from footscan.records.spelling import check_word, needed
 from footscan.records.tables import FootRow, TakeRow
 from footscan.records.tree_hash import hash_of_folder
 from footscan.records.values import NewResult, NewTake, Take, Verdict
@@ -19,6 +21,9 @@ from footscan.records.vault import Staged
 from footscan.records.visits import VisitRecords, foot_row
 from footscan.scanning.recording import MANIFEST
 
+LOADS: tuple[str, ...] = get_args(Load)
+SURFACES: tuple[str, ...] = get_args(Surface)
+_VERDICTS: tuple[str, ...] = get_args(Verdict)
 _MUST_SAY_WHY: tuple[Verdict, ...] = ("with_remark", "repeat")
 
 
@@ -47,24 +52,28 @@ class TakeRecords(ResultRecords, VisitRecords):
             recording: The recording's folder.
             result: What processing gave; needs `results`.
             results: Folder of the results.
-            calibration: The calibration file used, kept so that the take can be processed again.
+            calibration: The calibration file in force, kept so that the take can be processed again.
             unfinished: Accept a recording that was broken off (without its checksums).
 
         Raises:
             InputError: No such patient; the folder is no recording, unfinished, or filed already.
             StorageError: The disk is full or cannot be written; nothing was filed.
         """
+        check_word(said.load, LOADS, "the load")
+        check_word(said.surface, SURFACES, "the surface")
         finished = _check_recording(recording, unfinished)
         scan = self._scan_of(recording)
         with ExitStack() as stack:
             staged = stack.enter_context(self._vault.staged(recording, link=scan is not None))
-            made = stack.enter_context(self._staged_result(result, results, calibration, link=scan is not None))
+            kept = stack.enter_context(self._staged_calibration(calibration))
+            made = stack.enter_context(self._staged_result(result, results, kept, link=scan is not None))
             storing = stack.enter_context(self._storing())
             session = storing.session
             _refuse_second(session, staged)
             row = self._new_row(session, patient_id, said, finished)
             row.source = None if scan is None else scan.name
             row.recording_sha256 = storing.keep("recording", staged)
+            row.calibration_files = keep_calibration(storing, kept)
             session.add(row)
             session.flush()
             detail = {"side": said.side, "load": said.load, "number": row.number}
@@ -119,6 +128,7 @@ class TakeRecords(ResultRecords, VisitRecords):
         Raises:
             InputError: No such take, or no remark where one is needed.
         """
+        check_word(verdict, _VERDICTS, "the verdict")
         if verdict in _MUST_SAY_WHY:
             remark = needed(remark, "the remark")
         with self._database.writing() as session:
@@ -160,9 +170,9 @@ class TakeRecords(ResultRecords, VisitRecords):
         for result in self.results(take_id):
             if _is_kept(scan / "results", result.files_sha256):
                 self._vault.discard(scan / "results")
-            kept = self.calibration_file(result.id)
-            if kept is not None and _same_file(scan / kept.name, kept):
-                self._vault.discard(scan / kept.name)
+        kept = self.take(take_id).calibration_files
+        if kept is not None and _same_file(scan / CALIBRATION, self._vault.path(kept) / CALIBRATION):
+            self._vault.discard(scan / CALIBRATION)
         self._vault.discard(scan / "recording")
         with contextlib.suppress(OSError):  # something else lies in it: that is not ours to remove
             scan.rmdir()

@@ -162,6 +162,7 @@ class Take:
     verdict_remark: str
     in_use: bool
     recording_sha256: str
+    calibration_files: str | None = None
     result: Result | None = None
     landmarks: tuple[Landmark, ...] = ()
 

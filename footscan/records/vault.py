@@ -47,7 +47,7 @@ class Vault:
         place = self._stage / f"{kind}-{uuid.uuid4().hex}"
         lock = -1
         try:
-            place.mkdir(parents=True, mode=0o700)
+            _private(self._stage, place)
             lock = os.open(place, os.O_RDONLY | os.O_CLOEXEC)
             try_lock(lock)
             yield place
@@ -109,7 +109,7 @@ class Vault:
         if place.is_dir():
             return False
         try:
-            place.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            _private(self._files, place.parent)
             staged.folder.rename(place)
             for folder in (place.parent, self._files, self._files.parent):
                 sync(folder)
@@ -153,6 +153,11 @@ class Vault:
         for path in self.dead_stages():
             if path.name.startswith(DISCARD):
                 shutil.rmtree(path, ignore_errors=True)
+
+
+def _private(*folders: Path) -> None:
+    for folder in folders:
+        folder.mkdir(exist_ok=True, mode=0o700)
 
 
 def _bring(source: Path, target: Path, *, link: bool) -> None:

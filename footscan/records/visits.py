@@ -2,16 +2,18 @@
 
 from dataclasses import asdict, replace
 from datetime import date
+from typing import get_args
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from footscan.coordinates import Side
-from footscan.errors import InputError
 from footscan.records.opened import OpenRecords, find_row
-from footscan.records.spelling import clean_line, clean_notes, needed
+from footscan.records.spelling import check_word, clean_line, clean_notes, needed
 from footscan.records.tables import FootRow, PatientRow, VisitRow
 from footscan.records.values import Foot, FootFacts, Visit
+
+SIDES: tuple[str, ...] = get_args(Side)
 
 
 class VisitRecords(OpenRecords):
@@ -98,8 +100,7 @@ def foot_row(session: Session, visit_id: int, side: Side) -> FootRow:
     Raises:
         InputError: The side is neither left nor right.
     """
-    if side not in ("left", "right"):
-        raise InputError(f"the side is {side!r}; allowed are left and right.")
+    check_word(side, SIDES, "the side")
     row = find_foot(session, visit_id, side)
     if row is None:
         row = FootRow(visit_id=visit_id, side=side, missing=[], dressings="", deformity="", not_scanned="")

@@ -111,6 +111,7 @@ def _takes() -> None:
         sa.Column("in_use", sa.Boolean(), nullable=False),
         sa.Column("source", sa.String(), nullable=True),
         sa.Column("recording_sha256", sa.String(), nullable=False),
+        sa.Column("calibration_files", sa.String(), nullable=True),
         sa.CheckConstraint(
             "load IN ('unknown', 'unloaded', 'seated', 'bipedal', 'single_leg')", name=op.f("ck_takes_load")
         ),
@@ -120,6 +121,7 @@ def _takes() -> None:
         sa.CheckConstraint(
             "verdict IN ('undecided', 'accepted', 'with_remark', 'repeat')", name=op.f("ck_takes_verdict")
         ),
+        sa.ForeignKeyConstraint(["calibration_files"], ["stored.sha256"], name=op.f("fk_takes_calibration_files")),
         sa.ForeignKeyConstraint(["foot_id"], ["feet.id"], name=op.f("fk_takes_foot_id"), ondelete="CASCADE"),
         sa.ForeignKeyConstraint(["recording_sha256"], ["stored.sha256"], name=op.f("fk_takes_recording_sha256")),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_takes")),
@@ -127,6 +129,7 @@ def _takes() -> None:
         sa.UniqueConstraint("recording_sha256", name=op.f("uq_takes_recording_sha256")),
         sqlite_autoincrement=True,
     )
+    op.create_index(op.f("ix_takes_calibration_files"), "takes", ["calibration_files"], unique=False)
     op.create_index(op.f("ix_takes_foot_id"), "takes", ["foot_id"], unique=False)
     op.create_index("ix_takes_in_use", "takes", ["foot_id", "load"], unique=True, sqlite_where=sa.text("in_use"))
 
