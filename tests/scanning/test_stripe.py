@@ -48,6 +48,18 @@ def test_a_saturated_line_is_found_as_well():
     assert np.sqrt(np.mean(error[inner] ** 2)) < 0.03
 
 
+@pytest.mark.parametrize("radius", [10.0, 16.0, 30.0])
+def test_a_bend_is_not_cut_short(radius):
+    v, u = np.mgrid[0:100, 0:100].astype(float)
+    away = np.hypot(u - 50.3, v - 49.8) - radius
+    frame = np.rint(6.0 + 180.0 * np.exp(-(away**2) / (2 * 0.8**2))).astype(np.uint8)
+    uv = find_stripe(frame, 40).uv
+    short = radius - np.hypot(uv[:, 0] - 50.3, uv[:, 1] - 49.8)
+
+    assert len(uv) > 3 * radius
+    assert abs(short.mean()) < 0.45 / radius  # the facet alone would cut 0.72 / radius off
+
+
 def test_a_step_leaves_no_ghost_and_costs_at_most_three_rows():
     step = measure_step(frames=12)
 
@@ -156,6 +168,16 @@ def test_the_automatic_threshold_lies_between_background_and_stripe():
     line = draw_line(582, 500, 10.0, seed=3)
 
     assert 30 <= automatic_threshold(line.frame) <= 120
+
+
+@pytest.mark.parametrize("columns", [60, 400])
+def test_a_picture_whose_dark_pixels_were_stored_as_nothing_has_the_threshold_above_its_background(columns, rng):
+    frame = np.zeros((500, 582), np.uint8)
+    patch = np.rint(rng.normal(17.0, 2.0, (60, columns)))
+    frame[200:260, 20 : 20 + columns] = np.where(patch < 16.0, 0, patch)
+    frame = np.maximum(frame, gaussian_line((500, 582), 0.0, (500.3, 0.0), sigma=1.5, background=0.0))
+
+    assert 20 <= automatic_threshold(frame) <= 60
 
 
 def test_stricter_rules_keep_fewer_points():

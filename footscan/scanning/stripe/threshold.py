@@ -23,17 +23,30 @@ def threshold_from_histogram(histogram: Ints) -> int:
     A stripe covers at most a few pixels in a hundred, so the search starts where only that share is brighter. The
     tail of the background falls steeply, while a stripe's flanks fill all grey values about evenly: the threshold is
     the first level that no longer stands out from those a little above it. A dark picture gives a level above its
-    noise.
+    noise. Recorders may store everything darker than some grey value as 0: then the background begins above that gap.
     """
     brighter = histogram[::-1].cumsum()[::-1]
     dark_enough = brighter[1:] <= _LARGEST_STRIPE_SHARE * brighter[0]
     level = int(np.argmax(dark_enough)) if dark_enough.any() else _HIGHEST
+    beyond_gap = _end_of_tail(histogram, max(level, _first_after_black(histogram)))
+    if brighter[beyond_gap] > 0:
+        return min(beyond_gap + _MARGIN, _HIGHEST)
+    return min(_end_of_tail(histogram, level) + _MARGIN, _HIGHEST)
+
+
+def _first_after_black(histogram: Ints) -> int:
+    """The darkest grey value in use beside 0."""
+    return 1 + int(np.argmax(histogram[1:] > 0))
+
+
+def _end_of_tail(histogram: Ints, level: int) -> int:
+    """The first level from `level` on that does not stand out from those a little above it."""
     while level < _HIGHEST:
         ahead = histogram[level + _AHEAD.start : level + _AHEAD.stop]
         if histogram[level] <= _FLAT * ahead.mean():
             break
         level += 1
-    return min(level + _MARGIN, _HIGHEST)
+    return level
 
 
 def automatic_threshold(frame: Frame) -> int:

@@ -45,7 +45,7 @@ def trace_stripe(
     count = add_border_points(frame, threshold, cut, limits, points, count)
     starts = row_starts(points, count, height)
     sort_by_pixel(points, count, starts, ordered)
-    judge_points(ordered, count, starts, width, int(rules[0]), rules[1], verdict)
+    judge_points(ordered, count, starts, width, int(rules[0]), rules[1], rules[3], verdict)
     kept = 0
     for i in range(count):
         if verdict[i, 0] > 0.0 and verdict[i, 2] < rules[2]:
