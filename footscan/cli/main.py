@@ -9,6 +9,7 @@ import typer
 from footscan.cli.bench import bench_app
 from footscan.cli.info import info
 from footscan.cli.measure import measure_command, section_command
+from footscan.cli.patients import patients_app
 from footscan.cli.process import process
 from footscan.cli.scan import scan_command, scans_command
 from footscan.cli.simulate import demo, simulate
@@ -30,6 +31,7 @@ app.command("scans")(scans_command)
 app.command()(simulate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")
+app.add_typer(patients_app, name="patients")
 
 
 def run() -> None:
