@@ -1,21 +1,29 @@
 """`footscan simulate` and `footscan demo`."""
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from footscan.cli.console import STDOUT, progress_bar
-from footscan.config import load_scanner
+from footscan.config import load_board, load_scanner
 from footscan.coordinates import Side
+from footscan.sim.artefacts import ArtefactChoice
+from footscan.sim.board import NO_FAULTS, PrintFaults
+from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN, MovedBoard
+from footscan.sim.obstacles import OBSTACLES
 from footscan.workflow.designs import builtin_scanner
-from footscan.workflow.simulate import SimulateSettings, run_demo, simulate_scan
+from footscan.workflow.simulate import SimulateSettings, run_demo, simulate_board, simulate_scan
 
 Unit = Literal["mm", "cm", "m"]
+BOARD = "board"
+_OBJECT = "A mesh file, or foot, board, sphere, ball-bar, plane."
 
 
-def simulate(
-    thing: Annotated[str, typer.Argument(metavar="OBJECT", help="A mesh file, or foot, sphere, ball-bar, plane.")],
+def simulate(  # one option a knob: the command is the list of them
+    thing: Annotated[str, typer.Argument(metavar="OBJECT", help=_OBJECT)],
     out: Annotated[Path, typer.Argument(help="Folder for the recording; must not hold one already.")],
     unit: Annotated[Unit, typer.Option(help="Unit of the mesh file.")] = "mm",
     scanner: Annotated[Path | None, typer.Option(help="scanner.toml; default: the paper's prototype.")] = None,
@@ -26,15 +34,72 @@ def simulate(
     ideal: Annotated[bool, typer.Option("--ideal", help="A machine exactly as designed.")] = False,
     frames: Annotated[int, typer.Option(help="Frames per sweep.", min=8, max=20000)] = 240,
     size: Annotated[float, typer.Option(help="Size of the built-in foot, 0.45 to 1.2.")] = 1.0,
+    obstacle: Annotated[
+        list[str] | None,
+        typer.Option(help=f"{', '.join(OBSTACLES)}: beside or around the foot; may be given several times."),
+    ] = None,
+    unlit_every: Annotated[int, typer.Option(help="Every n-th frame without a laser; 0: none.", min=0)] = 0,
+    alternate: Annotated[bool, typer.Option("--alternate", help="One sweep, right and left laser in turn.")] = False,
+    exposure: Annotated[float, typer.Option(help="Of the camera, relative to the usual one.", min=0.01, max=100)] = 1.0,
+    diameter: Annotated[float | None, typer.Option(help="Of sphere or balls, mm.")] = None,
+    spacing: Annotated[float | None, typer.Option(help="Between the centres of a ball bar, mm.")] = None,
+    at: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Middle of an artefact, mm.")] = None,
+    heading: Annotated[float, typer.Option(help="Of ball bar or plane, degrees from X.")] = 0.0,
+    tilt: Annotated[float | None, typer.Option(help="Of ball bar or plane, degrees.")] = None,
+    board_file: Annotated[Path | None, typer.Option("--board", help="board.toml; default: 7 x 5 squares.")] = None,
+    print_scale: Annotated[str, typer.Option(metavar="X,Y", help="Size of the print over intended size.")] = "1,1",
+    bow: Annotated[float, typer.Option(help="How far the middle of a bent board stands out, mm.")] = 0.0,
+    slip: Annotated[int | None, typer.Option(help="Placement at which the board slips by 1 mm half-way.")] = None,
 ) -> None:
     """Make the recording that a simulated machine would make, with its truth beside it."""
     if ideal and seed is not None:
         raise typer.BadParameter("--ideal and --seed contradict each other; give one of them.")
     design = load_scanner(scanner) if scanner is not None else builtin_scanner("prototype")
-    settings = SimulateSettings(thing, unit, side, None if ideal else (seed or 0), frames, size)
+    number = None if ideal else (seed or 0)
+    scale_x, scale_y = _numbers("--print-scale", print_scale, 2)
+    faults = PrintFaults(scale_x, scale_y, bow)
+    if thing == BOARD:
+        if obstacle or unlit_every or alternate:
+            raise typer.BadParameter("--obstacle, --unlit-every and --alternate belong to a scan, not to a board.")
+        moved = MovedBoard(slip, DEFAULT_CALIBRATION_PLAN.stops // 2) if slip is not None else None
+        board = load_board(board_file) if board_file is not None else DEFAULT_CALIBRATION_PLAN.board
+        plan = replace(DEFAULT_CALIBRATION_PLAN, board=board, faults=faults, moved=moved)
+        with progress_bar("frames", quiet=False) as progress:
+            simulate_board(design, plan, number, out, progress)
+        STDOUT.print(f"Calibration recording in {out}; the machine's true calibration and the board's true poses too.")
+        return
+    if faults != NO_FAULTS or slip is not None or board_file is not None:
+        raise typer.BadParameter("--board, --print-scale, --bow and --slip belong to OBJECT board.")
+    artefact = ArtefactChoice(
+        diameter_mm=diameter,
+        spacing_mm=spacing,
+        centre_world=_place(at),
+        heading_rad=math.radians(heading),
+        tilt_rad=math.radians(tilt) if tilt is not None else None,
+    )
+    settings = SimulateSettings(
+        thing, unit, side, number, frames, size, tuple(obstacle or ()), unlit_every, alternate, exposure, artefact
+    )
     with progress_bar("frames", quiet=False) as progress:
         simulate_scan(design, settings, out, progress)
     STDOUT.print(f"Recording in {out}; the machine's true calibration and the true surface lie beside it.")
+
+
+def _place(text: str | None) -> tuple[float, float, float] | None:
+    if text is None:
+        return None
+    x, y, z = _numbers("--at", text, 3)
+    return x, y, z
+
+
+def _numbers(option: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise typer.BadParameter(f"{option} takes {count} numbers with commas between, found {text!r}.")
+    return values
 
 
 def demo(

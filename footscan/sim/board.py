@@ -35,10 +35,10 @@ class Paper:
     margin_mm: float = 10.0
     white_grey: float = 101.0
     black_grey: float = 7.0
-    back_grey: float = 7.0
-    white_laser: float = 1.0
-    black_laser: float = 0.3
-    back_laser: float = 0.3
+    back_grey: float = 10.0
+    white_laser: float = 0.95
+    black_laser: float = 0.23
+    back_laser: float = 0.32
 
 
 DEFAULT_PAPER = Paper()
@@ -102,9 +102,9 @@ class PrintedBoard:
         """The plate in the world, without thickness."""
         width, height = self.size_mm
         margin = self.paper.margin_mm
-        x = np.linspace(-margin, width + margin, int(np.ceil((width + 2 * margin) / _STEP_MM)) + 1)
-        y = np.linspace(-margin, height + margin, int(np.ceil((height + 2 * margin) / _STEP_MM)) + 1)
-        xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        x: Floats = np.linspace(-margin, width + margin, int(np.ceil((width + 2 * margin) / _STEP_MM)) + 1)
+        y: Floats = np.linspace(-margin, height + margin, int(np.ceil((height + 2 * margin) / _STEP_MM)) + 1)
+        xy: Floats = np.column_stack([np.repeat(x, len(y)), np.tile(y, len(x))]).astype(np.float64)
         xyz_world = transform_points(self.world_from_board, self._on_plate(xy))
         return Surface(np.ascontiguousarray(xyz_world), grid_faces(len(x), len(y)), closed=False)
 
@@ -113,7 +113,7 @@ class PrintedBoard:
         board, faults = self.board, self.faults
         column, row = np.meshgrid(np.arange(1, board.squares_x), np.arange(1, board.squares_y))
         step_x, step_y = board.square_mm * faults.scale_x, board.square_mm * faults.scale_y
-        xy = np.column_stack([column.ravel() * step_x, row.ravel() * step_y])
+        xy: Floats = np.column_stack([column.ravel() * step_x, row.ravel() * step_y]).astype(np.float64)
         return transform_points(self.world_from_board, self._on_plate(xy))
 
     def for_loops(self, board_from: Floats) -> Print:

@@ -23,6 +23,8 @@ class SweepPlan:
         pause_s: At rest between the sweeps.
         ripple: Speed ripple relative to the speed (standard deviation).
         encoder_hz: Samples of the encoder per second.
+        unlit_every: Every n-th frame is taken without a laser; 0 is none.
+        alternating: One sweep, with the lasers in turn (right, left, right, ...), instead of a sweep for either.
     """
 
     frames_per_sweep: int = 240
@@ -31,6 +33,8 @@ class SweepPlan:
     pause_s: float = 0.6
     ripple: float = 0.01
     encoder_hz: float = 250.0
+    unlit_every: int = 0
+    alternating: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def plan_motion(sweeps: tuple[Sweep, ...], plan: SweepPlan, seed: int) -> HeadMo
     for number, sweep in enumerate(sweeps):
         start = number * (sweep_s + plan.pause_s)
         sign = 1.0 if sweep == "ccw" else -1.0
-        rate += sign * speed * _speed_profile(time_s - start, turn_s, plan, random)
+        rate += sign * speed * speed_profile(time_s - start, turn_s, plan, random)
         exposures.append(start + (np.arange(plan.frames_per_sweep, dtype=np.float64) + 0.5) / plan.frames_per_s)
     way = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1])) * _GRID_S])
     at_start = float(np.interp(0.0, time_s, way))
@@ -98,11 +102,15 @@ def _check(plan: SweepPlan) -> None:
             f"a sweep has at least 1 frame and at most 1000 a second, found {plan.frames_per_sweep} frames at "
             f"{plan.frames_per_s:g} a second."
         )
+    if plan.unlit_every < 0 or plan.unlit_every == 1:
+        raise InputError(
+            f"every n-th frame is unlit, n at least 2 (0: none), found {plan.unlit_every}; 1 would leave no lit frame."
+        )
     if not 0.0 <= plan.ripple <= 0.2:
         raise InputError(f"the speed ripple lies between 0 and 0.2 of the speed, found {plan.ripple:g}.")
 
 
-def _speed_profile(since_s: Floats, turn_s: float, plan: SweepPlan, random: np.random.Generator) -> Floats:
+def speed_profile(since_s: Floats, turn_s: float, plan: SweepPlan, random: np.random.Generator) -> Floats:
     """Speed relative to the nominal one: smooth ramps before and after the turn, and three sines of ripple."""
     up = np.clip((since_s + plan.ramp_s) / max(plan.ramp_s, _GRID_S), 0.0, 1.0)
     down = np.clip((turn_s + plan.ramp_s - since_s) / max(plan.ramp_s, _GRID_S), 0.0, 1.0)

@@ -3,18 +3,21 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 
 from footscan.config import RecordingInfo, save_calibration, scanner_toml
 from footscan.config.recording_file import RecordingSide
-from footscan.coordinates import Floats, Frame, Ints, LaserName
+from footscan.coordinates import LASER_NAMES, Floats, Frame, Ints, LaserName
 from footscan.errors import StorageError
 from footscan.optics.scanner import Sweep
 from footscan.scanning.recorder import RecordingWriter
+from footscan.scanning.recording import FrameLaser
 from footscan.sim.machine import TrueMachine, world_from_board
 from footscan.sim.motion import HeadMotion, SweepPlan, plan_motion, sample_encoder
+from footscan.sim.obstacles import Part, join_parts
 from footscan.sim.picture import DEFAULT_PICTURE, Painter, PictureSettings
 from footscan.sim.surface import Surface, trimesh_from_surface
 from footscan.sim.visibility import count_sheets
@@ -28,7 +31,7 @@ class SimulatedFrame:
 
     frame: Frame
     time_s: float
-    laser: LaserName
+    laser: FrameLaser
     sweep: Sweep
     theta_rad: float
 
@@ -44,6 +47,7 @@ class SimulatedScan:
         plan: What it was planned from.
         picture: Light and sensor.
         seed: Of speckle and noise.
+        obstacles: What else stands in the machine: seen and casting shadow, but no part of the truth.
     """
 
     machine: TrueMachine
@@ -52,15 +56,18 @@ class SimulatedScan:
     plan: SweepPlan
     picture: PictureSettings
     seed: int
+    obstacles: tuple[Part, ...] = ()
 
     def frames(self) -> Iterator[SimulatedFrame]:
         """Take the frames, one at a time."""
-        painter = Painter(self.machine.calibration, self.surface, self.picture, self.seed)
+        surface, tone = join_parts(self.surface, self.obstacles)
+        painter = Painter(self.machine.calibration, surface, self.picture, self.seed, tone)
         number = 0
-        for (laser, sweep), exposure_s in zip(_sweeps(self.machine), self.motion.exposure_s, strict=True):
+        for (lasers, sweep), exposure_s in zip(_sweeps(self.machine, self.plan), self.motion.exposure_s, strict=True):
             thetas = self.motion.theta_at(exposure_s)
-            for moment, theta in zip(exposure_s.tolist(), thetas.tolist(), strict=True):
-                frame = painter.paint(theta, laser, number)
+            order = _laser_order(lasers, len(exposure_s), self.plan.unlit_every)
+            for moment, theta, laser in zip(exposure_s.tolist(), thetas.tolist(), order, strict=True):
+                frame = painter.paint(theta, None if laser == "none" else laser, number)
                 yield SimulatedFrame(frame, moment + self.machine.calibration.latency_s, laser, sweep, theta)
                 number += 1
 
@@ -80,15 +87,19 @@ def prepare_scan(
     plan: SweepPlan = DEFAULT_PLAN,
     picture: PictureSettings = DEFAULT_PICTURE,
     seed: int = 0,
+    obstacles: tuple[Part, ...] = (),
 ) -> SimulatedScan:
     """Set up a scan: the ccw sweep with its laser first, then the other way. `surface` stands on z = 0.
+
+    With alternating lasers there is the ccw sweep only.
 
     Raises:
         InputError: A plan that no machine can run.
     """
-    standing = surface.moved(world_from_board(machine.calibration.floor))
-    motion = plan_motion(tuple(sweep for _, sweep in _sweeps(machine)), plan, seed)
-    return SimulatedScan(machine, standing, motion, plan, picture, seed)
+    board = world_from_board(machine.calibration.floor)
+    motion = plan_motion(tuple(sweep for _, sweep in _sweeps(machine, plan)), plan, seed)
+    beside = tuple(Part(part.surface.moved(board), part.tone) for part in obstacles)
+    return SimulatedScan(machine, surface.moved(board), motion, plan, picture, seed, beside)
 
 
 def simulate_recording(
@@ -117,7 +128,7 @@ def simulate_recording(
     """
     created = created or datetime.now(UTC).isoformat(timespec="seconds")
     info = RecordingInfo("scan", side, created, notes)
-    _make_folder(folder)
+    make_folder(folder)
     with RecordingWriter(folder, info, scanner_toml(scan.machine.scanner)) as writer:
         writer.add_counts(*scan.counts())
         for done, taken in enumerate(scan.frames(), start=1):
@@ -127,15 +138,31 @@ def simulate_recording(
     save_calibration(replace(scan.machine.calibration, created=created), folder / "truth-calibration.toml")
     trimesh_from_surface(scan.surface).export(folder / "truth.stl")
     if with_seen:
-        np.save(folder / "truth-seen.npy", count_sheets(scan.machine.calibration, scan.surface, scan.picture))
+        everything, _ = join_parts(scan.surface, scan.obstacles)
+        sheets = count_sheets(scan.machine.calibration, everything, scan.picture)
+        np.save(folder / "truth-seen.npy", sheets[: len(scan.surface.faces)])
 
 
-def _sweeps(machine: TrueMachine) -> list[tuple[LaserName, Sweep]]:
+def _sweeps(machine: TrueMachine, plan: SweepPlan) -> list[tuple[tuple[LaserName, ...], Sweep]]:
+    """The sweeps in their order, each with its lasers."""
+    if plan.alternating:
+        return [(LASER_NAMES, "ccw")]
     lasers = sorted(machine.scanner.lasers, key=lambda laser: laser.sweep == "cw")
-    return [(laser.name, laser.sweep) for laser in lasers]
+    return [((laser.name,), laser.sweep) for laser in lasers]
 
 
-def _make_folder(folder: Path) -> None:
+def _laser_order(lasers: tuple[LaserName, ...], frames: int, unlit_every: int) -> list[FrameLaser]:
+    """Which laser lights each frame of a sweep; an unlit frame does not break the turn of the lasers."""
+    order: list[FrameLaser] = []
+    turn = cycle(lasers)
+    for number in range(1, frames + 1):
+        unlit = unlit_every > 0 and number % unlit_every == 0
+        order.append("none" if unlit else next(turn))
+    return order
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder, or say why it cannot be made."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as err:

@@ -1,7 +1,7 @@
 """Simulated recordings, and the demo: simulate, process, compare with the truth."""
 
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +12,13 @@ from footscan.coordinates import Side
 from footscan.optics.scanner import Scanner
 from footscan.scanning.recording import open_recording
 from footscan.scanning.sweep import Progress
-from footscan.sim.machine import ideal_machine, workshop_machine
+from footscan.sim.artefacts import ARTEFACT_NAMES, USUAL_ARTEFACT, ArtefactChoice, build_artefact, save_artefact
+from footscan.sim.calibration_run import CalibrationPlan, prepare_calibration, simulate_calibration
+from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.motion import SweepPlan
 from footscan.sim.objects import build_object
+from footscan.sim.obstacles import build_obstacle
+from footscan.sim.picture import DEFAULT_PICTURE
 from footscan.sim.record import prepare_scan, simulate_recording
 from footscan.sim.surface import Surface
 from footscan.workflow.process import ProcessSettings, process_recording
@@ -26,7 +30,21 @@ DEMO_MARK = ".footscan-demo"
 
 @dataclass(frozen=True)
 class SimulateSettings:
-    """What stands on the board, and on which machine: a workshop machine by seed, or the ideal one (seed None)."""
+    """What stands on the board, and on which machine.
+
+    Attributes:
+        thing: A named object or the path of a mesh file.
+        unit: Of the mesh file: mm, cm or m.
+        side: Of the foot.
+        seed: A workshop machine by its seed, or the ideal one (None).
+        frames_per_sweep: Pictures of one turn.
+        size: Of the built-in foot.
+        obstacles: Names of what stands beside or around the foot.
+        unlit_every: Every n-th frame is taken without a laser; 0 is none.
+        alternating: One sweep with the lasers in turn, instead of one sweep for either.
+        exposure: Of the camera, relative.
+        artefact: Size and place of a sphere, ball bar or plane.
+    """
 
     thing: str
     unit: str = "mm"
@@ -34,22 +52,56 @@ class SimulateSettings:
     seed: int | None = None
     frames_per_sweep: int = 240
     size: float = 1.0
+    obstacles: tuple[str, ...] = ()
+    unlit_every: int = 0
+    alternating: bool = False
+    exposure: float = 1.0
+    artefact: ArtefactChoice = USUAL_ARTEFACT
 
 
 def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, progress: Progress) -> Surface:
     """Write the recording of one simulated scan; returns the surface that stood on the board.
 
     Raises:
-        InputError: No such object, a wrong unit, an impossible size.
+        InputError: No such object or obstacle, a wrong unit, an impossible size.
         RecordingError: The folder already holds a recording.
         StorageError: The folder cannot be written.
     """
-    surface = build_object(settings.thing, settings.unit, settings.side, settings.size)
-    machine = ideal_machine(scanner) if settings.seed is None else workshop_machine(scanner, settings.seed)
-    plan = SweepPlan(frames_per_sweep=settings.frames_per_sweep)
-    scan = prepare_scan(machine, surface, plan, seed=settings.seed or 0)
-    simulate_recording(folder, scan, settings.side, f"simulated: {settings.thing}", progress=progress)
+    artefact = build_artefact(settings.thing, settings.artefact) if settings.thing in ARTEFACT_NAMES else None
+    surface = (
+        artefact.surface
+        if artefact is not None
+        else build_object(settings.thing, settings.unit, settings.side, settings.size)
+    )
+    beside = tuple(part for name in settings.obstacles for part in build_obstacle(name, surface, settings.side))
+    plan = SweepPlan(
+        frames_per_sweep=settings.frames_per_sweep,
+        unlit_every=settings.unlit_every,
+        alternating=settings.alternating,
+    )
+    picture = replace(DEFAULT_PICTURE, exposure=settings.exposure)
+    scan = prepare_scan(_machine(scanner, settings.seed), surface, plan, picture, settings.seed or 0, beside)
+    notes = ", ".join([f"simulated: {settings.thing}", *settings.obstacles])
+    simulate_recording(folder, scan, settings.side, notes, progress=progress)
+    if artefact is not None:
+        save_artefact(artefact, folder)
     return scan.surface
+
+
+def simulate_board(scanner: Scanner, plan: CalibrationPlan, seed: int | None, folder: Path, progress: Progress) -> None:
+    """Write the calibration recording of a simulated machine: a workshop machine by its seed, or the ideal one (None).
+
+    Raises:
+        InputError: A plan or a board that the machine cannot hold.
+        RecordingError: The folder already holds a recording.
+        StorageError: The folder cannot be written.
+    """
+    run = prepare_calibration(_machine(scanner, seed), plan, seed=seed or 0)
+    simulate_calibration(folder, run, "simulated: board", progress=progress)
+
+
+def _machine(scanner: Scanner, seed: int | None) -> TrueMachine:
+    return ideal_machine(scanner) if seed is None else workshop_machine(scanner, seed)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from footscan.errors import InputError
-from footscan.sim.objects import OBJECT_NAMES, build_ball_bar, build_cylinder, build_object, build_plate
+from footscan.sim.objects import OBJECT_NAMES, build_cylinder, build_object, build_plate
 from footscan.sim.surface import LONGEST_EDGE_MM, surface_from_trimesh, trimesh_from_surface
 
 
@@ -62,14 +62,6 @@ def test_plate_is_flat_and_open():
     assert np.allclose(plate.normal_world @ normal, 1.0)
     assert not plate.closed
     assert trimesh_from_surface(plate).area == pytest.approx(100.0**2)
-
-
-def test_balls_of_the_bar_stand_as_far_apart_as_said():
-    xyz_world = build_ball_bar(20.0, 150.0).xyz_world
-    left, right = xyz_world[xyz_world[:, 0] < 0.0], xyz_world[xyz_world[:, 0] > 0.0]
-
-    assert np.linalg.norm(right.mean(axis=0) - left.mean(axis=0)) == pytest.approx(150.0, abs=0.01)
-    assert np.allclose(np.linalg.norm(right - [75.0, 0.0, 60.0], axis=1), 20.0)
 
 
 def test_cylinder_is_a_closed_body_of_its_formula():

@@ -6,12 +6,13 @@ import pytest
 import trimesh
 
 from footscan.config import load_calibration
-from footscan.errors import RecordingError
+from footscan.errors import InputError, RecordingError
 from footscan.optics.calibration import theta_from_encoder
 from footscan.scanning.recording import open_recording
 from footscan.sim.machine import TrueMachine
 from footscan.sim.motion import SweepPlan
 from footscan.sim.objects import build_sphere
+from footscan.sim.obstacles import Part
 from footscan.sim.record import SimulatedScan, prepare_scan, simulate_recording
 
 
@@ -75,3 +76,38 @@ def test_a_recording_is_never_overwritten(tmp_path: Path, scan: SimulatedScan):
     simulate_recording(tmp_path, scan)
     with pytest.raises(RecordingError, match="already holds"):
         simulate_recording(tmp_path, scan)
+
+
+def ball_scan(machine: TrueMachine, plan: SweepPlan) -> SimulatedScan:
+    return prepare_scan(machine, build_sphere(40.0, np.array([0.0, 0.0, 50.0]), subdivisions=3), plan, seed=9)
+
+
+def test_every_third_frame_is_unlit_and_holds_no_laser_light(machine: TrueMachine):
+    frames = list(ball_scan(machine, SweepPlan(frames_per_sweep=6, unlit_every=3)).frames())
+
+    assert [frame.laser for frame in frames] == ["right", "right", "none"] * 2 + ["left", "left", "none"] * 2
+    assert all((frame.frame.max() > 80) == (frame.laser != "none") for frame in frames)
+
+
+def test_alternating_lasers_share_one_sweep_and_unlit_frames_do_not_break_their_turn(machine: TrueMachine):
+    frames = list(ball_scan(machine, SweepPlan(frames_per_sweep=6, unlit_every=3, alternating=True)).frames())
+
+    assert [frame.laser for frame in frames] == ["right", "left", "none", "right", "left", "none"]
+    assert {frame.sweep for frame in frames} == {"ccw"}
+
+
+def test_a_plan_without_lit_frames_is_refused(machine: TrueMachine):
+    with pytest.raises(InputError, match="1 would leave no lit frame"):
+        ball_scan(machine, SweepPlan(unlit_every=1))
+
+
+def test_obstacles_are_painted_and_no_part_of_the_truth(tmp_path: Path, machine: TrueMachine):
+    ball = build_sphere(40.0, np.array([0.0, 0.0, 50.0]), subdivisions=3)
+    post = Part(build_sphere(30.0, np.array([60.0, -60.0, 60.0]), subdivisions=3), 0.5)
+    plan = SweepPlan(frames_per_sweep=2)
+    free = next(prepare_scan(machine, ball, plan).frames()).frame
+    scan = prepare_scan(machine, ball, plan, obstacles=(post,))
+    simulate_recording(tmp_path, scan)
+
+    assert not np.array_equal(next(scan.frames()).frame, free)
+    assert len(trimesh.load(tmp_path / "truth.stl").faces) == len(ball.faces)
