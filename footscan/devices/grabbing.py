@@ -19,6 +19,7 @@ _FALSE_READS = 5
 _FALSE_READ_PAUSE_S = 0.02
 _BACK_OFF_S = (0.5, 1.0, 2.0, 4.0)
 _INTERVALS = 25
+_FIRST_FRAME_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -78,10 +79,21 @@ class GrabbingCamera:
         return self._facts
 
     def start(self) -> None:
-        """Let frames come."""
-        if self._hand is None and not self._stopping.is_set():
-            self._hand = threading.Thread(target=self._grab, name="camera", daemon=True)
-            self._hand.start()
+        """Let frames come; returns when the first is there, for a camera may need a second or two to begin.
+
+        Raises:
+            CameraLostError: None came in 5 s.
+        """
+        if self._hand is not None or self._stopping.is_set():
+            return
+        self._hand = threading.Thread(target=self._grab, name="camera", daemon=True)
+        self._hand.start()
+        with self._changed:
+            begun = self._changed.wait_for(
+                lambda: self._frames or self._lost or self._stopping.is_set(), _FIRST_FRAME_S
+            )
+        if not begun:
+            raise self._silence(_FIRST_FRAME_S)
 
     def read(self, timeout_s: float) -> CameraFrame:
         """The next frame, stamped.
@@ -97,10 +109,7 @@ class GrabbingCamera:
                 raise CameraLostError(self._lost)
         if self._stopping.is_set() or self._hand is None:
             raise CameraLostError("the camera is not running; start it first.")
-        raise CameraLostError(
-            f"no frame came from {self._facts.name} within {timeout_s:g} s; check its cable and supply, then start "
-            "again."
-        )
+        raise self._silence(timeout_s)
 
     def close(self) -> None:
         """Stop the frames and give the camera back."""
@@ -111,6 +120,12 @@ class GrabbingCamera:
         if self._hand is not None:
             self._hand.join()
         self._source.close()
+
+    def _silence(self, timeout_s: float) -> CameraLostError:
+        return CameraLostError(
+            f"no frame came from {self._facts.name} within {timeout_s:g} s; check its cable and supply, then start "
+            "again."
+        )
 
     def _grab(self) -> None:
         while not self._stopping.is_set():

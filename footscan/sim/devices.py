@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 
-from footscan.coordinates import Floats, Frame
+from footscan.coordinates import LASER_NAMES, Floats, Frame
 from footscan.devices.carriage import SILENT_S
 from footscan.devices.values import ALL_OFF, CameraFacts, CameraFrame, EncoderReading, EncoderSamples, Inputs, Outputs
 from footscan.errors import CameraLostError, EncoderLostError, OutputsLostError
@@ -68,6 +68,10 @@ class SimCamera:
     def _new_painter(self) -> Painter:
         settings = self._world.settings
         return Painter(self._world.machine.calibration, self._painted.surface, settings.picture, settings.seed)
+
+    def warm_up(self) -> None:
+        """Paint once with both lasers, so that nothing has to be compiled while time runs."""
+        self._painter.paint(0.0, LASER_NAMES, 0)
 
     def expose(self, exposed_s: float, number: int) -> Frame:
         """The picture of a moment; `number` seeds its noise. For one thread at a time."""

@@ -132,6 +132,7 @@ class EmulatedRig:
         camera = self._world.machine.calibration.camera
         size = (camera.width_px, camera.height_px * model.rows_per_row)
         eye = SimCamera(self._world, frames_per_s, model.exposure_s)
+        eye.warm_up()
         latency_s, numbers = self._world.machine.calibration.latency_s, itertools.count()
 
         def frame_at(stamp_s: float) -> Frame:
