@@ -33,7 +33,7 @@ def test_a_clean_line_is_found_across_its_own_direction(angle_deg, shift, sigma)
     stripe = find_stripe(gaussian_line((160, 200), angle_deg, place, sigma), 40)
     angle = np.radians(angle_deg)
     error = (stripe.uv - place) @ np.array([np.cos(angle), np.sin(angle)])
-    inner = ((stripe.uv > 4) & (stripe.uv < np.array([195, 155]))).all(axis=1)
+    inner = ((stripe.uv > 6) & (stripe.uv < np.array([193, 153]))).all(axis=1)
 
     assert inner.sum() > 100
     assert np.abs(error[inner]).max() < 0.03

@@ -119,8 +119,11 @@ def judge_points(
         is_end = inner and (lowest > -end_px or highest < end_px) and abs(points[i, 6]) > _FADING
         verdict[i, 0] = 0.0 if members < fewest or rival or is_end else 1.0
         both_sides = lowest < -_BOTH_SIDES_PX and highest > _BOTH_SIDES_PX
+        # points of the outermost rows and columns are not exact enough to tell a bend
+        clear = REACH_PX + 3.0 < u < width - REACH_PX - 4.0 and REACH_PX + 3.0 < v < height - REACH_PX - 4.0
+        into_bend = facet_px2 if clear else 0.0
         verdict[i, 1], verdict[i, 2] = _place_at_zero(
-            (s1, s2, s3, s4), (y0, y1, y2, yy), members, both_sides, facet_px2
+            (s1, s2, s3, s4), (y0, y1, y2, yy), members, both_sides, into_bend
         )
 
 
