@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from footscan.calibration.doubts import BoardShape, board_shape, explain_corners, shape_gates
+from footscan.calibration.doubts import BoardShape, board_shape, explain_corners, jump_gate, picture_jumps, shape_gates
 from footscan.calibration.gates import (
     LIMITS,
     Gate,
@@ -78,7 +78,10 @@ def calibrate_recording(
     if not all(gate.passed for gate in corner_gates(corners_fit, names, limits)):
         raise PoorFitError(_refusal(explain_corners(intake, corners_fit, limits)))
     shape = board_shape(intake, corners_fit)
-    _pass(shape_gates(shape, names) if not choices.horizontal_scale else shape_gates(shape, names)[1:])
+    jumps, _ = picture_jumps(intake, corners_fit)
+    of_board = shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :]
+    early = [*of_board, jump_gate(jumps, names)]
+    _pass(early)
     clock.mark("corners alone")
     joint = fit_jointly(intake, corners_fit, choices, progress)
     clock.mark("stripes and joint fit")
@@ -87,7 +90,7 @@ def calibrate_recording(
     if reason:
         raise PoorFitError(_refusal(reason))
     holdouts = hold_out_each(joint)
-    gates = joint_gates(joint, holdouts, limits)
+    gates = [*early, *joint_gates(joint, holdouts, limits)]
     _pass(gates)
     clock.mark("hold-out and gates")
     calibration = replace(joint.fit.estimate.machine, created=created)

@@ -65,12 +65,14 @@ def corners_mm(board: Board) -> Floats:
     column, row = np.meshgrid(np.arange(1, board.squares_x), np.arange(1, board.squares_y))
     x = (column.ravel() - 0.5 * board.squares_x) * board.square_x_mm
     y = (row.ravel() - 0.5 * board.squares_y) * board.square_y_mm
-    return np.stack([x, y], axis=-1)
+    return np.asarray(np.stack([x, y], axis=-1), dtype=np.float64)
 
 
 def half_size_mm(board: Board) -> Floats:
     """Half width and half height `(2,)` of the board's squares."""
-    return np.array([0.5 * board.squares_x * board.square_x_mm, 0.5 * board.squares_y * board.square_y_mm])
+    return np.asarray(
+        [0.5 * board.squares_x * board.square_x_mm, 0.5 * board.squares_y * board.square_y_mm], dtype=np.float64
+    )
 
 
 def why_not_found(board: Board, frames: list[Frame]) -> str:

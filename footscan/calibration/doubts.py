@@ -21,8 +21,10 @@ from footscan.optics.scanner import calibration_from_design
 
 MOST_UNEQUAL = 4e-4
 MOST_SCALED = 6e-4
-MOST_SAG_MM = 0.15
-MOST_KNOCK_PX = 0.25
+MOST_SAG_MM = 0.12
+MOST_KNOCK_PX = np.array([0.05, 0.2])
+"""Jump of the picture along the rows and the columns of the sensor; the second one hides behind the boards' height."""
+_SURE = 5.0
 _MOVED_MM = 0.15
 _TOLERANCE_PX = 0.5
 _HELPS = 0.5
@@ -34,12 +36,14 @@ class BoardShape:
     """What the pictures say about the print and flatness of the board.
 
     Attributes:
+        surely_unequal: Below this a difference may be chance.
         unequal: Height over width of the print, relative to what board.toml says, minus one; mean of all placements.
         scaled: `(p,)` size of the board in each placement relative to the mean of all, minus one.
         sag_mm: `(p,)` largest departure from flatness over the board.
     """
 
     unequal: float
+    surely_unequal: float
     scaled: Floats
     sag_mm: Floats
 
@@ -52,7 +56,57 @@ def board_shape(intake: Intake, corners_fit: Fit) -> BoardShape:
     half_x, half_y = half_size_mm(intake.board)
     bend = np.abs(free.estimate.doubts[:, 2:5] * np.array([half_x**2, half_y**2, half_x * half_y]))
     size = stretch.mean(axis=1)
-    return BoardShape(float(np.median(stretch[:, 1] - stretch[:, 0])), size - np.median(size), bend.max(axis=1))
+    unequal = float(np.median(stretch[:, 1] - stretch[:, 0]))
+    chance = _SURE * _deviation(free, "stretch_x", "stretch_y") / np.sqrt(len(stretch))
+    return BoardShape(unequal, chance, size - np.median(size), bend.max(axis=1))
+
+
+def _deviation(fit: Fit, one: str, other: str) -> float:
+    """Median over the placements of the standard deviation of the difference of two of a board's doubts."""
+    names, spread = fit.unknowns.names(fit.estimate.placements), fit.spread()
+    pairs = [(names.index(f"{one}[{p}]"), names.index(f"{other}[{p}]")) for p in range(fit.estimate.placements)]
+    variances = [spread[i, i] + spread[j, j] - 2.0 * spread[i, j] for i, j in pairs]
+    return float(np.sqrt(max(0.0, float(np.median(variances)))))
+
+
+@dataclass(frozen=True)
+class PictureJumps:
+    """Shift of the picture on the sensor from placement to placement, `(p - 1, 2)` px, and what may be chance."""
+
+    jump_px: Floats
+    chance_px: Floats
+
+    def ratio(self) -> Floats:
+        """Each jump `(p - 1,)` relative to what is allowed."""
+        return np.max(np.abs(self.jump_px) / np.maximum(MOST_KNOCK_PX, self.chance_px), axis=1)
+
+
+def picture_jumps(intake: Intake, corners_fit: Fit) -> tuple[PictureJumps, Fit]:
+    """Let the picture sit elsewhere on the sensor in every placement; returns the jumps and the fit."""
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    free = fit_estimate(corners_fit.estimate, sightings, Unknowns(_FREE_LENS, POSE + LENS))
+    names, spread = free.unknowns.names(free.estimate.placements), free.spread()
+    jump = np.diff(free.estimate.doubts[:, len(SHAPE) :], axis=0)
+    chance = np.zeros_like(jump)
+    for column, name in enumerate(LENS):
+        for p in range(len(jump)):
+            i, j = names.index(f"{name}[{p}]"), names.index(f"{name}[{p + 1}]")
+            chance[p, column] = _SURE * np.sqrt(max(0.0, spread[i, i] + spread[j, j] - 2.0 * spread[i, j]))
+    return PictureJumps(jump, chance), free
+
+
+def jump_gate(jumps: PictureJumps, names: tuple[str, ...]) -> Gate:
+    """Gate on the lens: the picture must not jump between placements."""
+    ratio = jumps.ratio()
+    at = int(np.argmax(ratio))
+    size = float(np.hypot(*jumps.jump_px[at]))
+    return Gate(
+        "picture_jump_of_allowed",
+        float(ratio[at]),
+        1.0,
+        f"between placements {names[at]} and {names[at + 1]}",
+        f"The picture jumps by {size:.2f} px: lens or camera was knocked. Fix both and record everything again.",
+    )
 
 
 def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
@@ -62,7 +116,7 @@ def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
         Gate(
             "print_scale_unequal",
             abs(shape.unequal),
-            MOST_UNEQUAL,
+            max(MOST_UNEQUAL, shape.surely_unequal),
             "",
             "The print is scaled differently in x and y than board.toml says: measure both lengths with a calliper and "
             "enter them (--measured-x, --measured-y). If they hold, the camera's horizontal scale is not as designed: "
@@ -171,19 +225,9 @@ def _posed(estimate: Estimate, intake: Intake, corners: Corners) -> tuple[Floats
 
 def _lens(intake: Intake, fit: Fit) -> _Suspicion | None:
     """The picture sits elsewhere on the sensor from some placement on."""
-    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
-    free = fit_estimate(fit.estimate, sightings, Unknowns(_FREE_LENS, POSE + LENS))
-    shift = free.estimate.doubts[:, len(SHAPE) :]
-    jump = np.hypot(*np.diff(shift, axis=0).T)
-    at = int(np.argmax(jump))
-    if jump[at] < MOST_KNOCK_PX:
-        return None
-    one, two = intake.placement_names[at], intake.placement_names[at + 1]
-    return _Suspicion(
-        _misfit_px(free),
-        f"the picture jumps by {jump[at]:.1f} px between placements {one} and {two}: the lens or the camera was "
-        "knocked. Fix both and record everything again.",
-    )
+    jumps, free = picture_jumps(intake, fit)
+    gate = jump_gate(jumps, intake.placement_names)
+    return None if gate.passed else _Suspicion(_misfit_px(free), gate.sentence())
 
 
 def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:

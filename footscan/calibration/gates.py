@@ -28,6 +28,7 @@ class Limits:
         rejected_corners: Share of one placement's corners that fit nothing.
         stripe_px: Robust scatter of stripe places.
         rejected_stripes: Share of one placement's stripe places that fit nothing.
+        lopsided: Share of far-off stripe places on one side of the sheet minus that on the other.
         holdout_px: RMS of corners of a placement that the fit never saw.
         holdout_mm: Mean distance of a sheet from stripes of a placement that the fit never saw.
         sheets_mm: Between both sheets' idea of one board.
@@ -44,6 +45,7 @@ class Limits:
     rejected_corners: float = 0.10
     stripe_px: float = 0.30
     rejected_stripes: float = 0.5
+    lopsided: float = 0.2
     holdout_px: float = 0.25
     holdout_mm: float = 0.15
     sheets_mm: float = 0.15
@@ -56,6 +58,8 @@ class Limits:
 
 
 LIMITS = Limits()
+_FEWEST_ON_ONE_BOARD = 30
+_FEWEST_LOPSIDED = 150
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ def placement_corners(fit: Fit, placement: int) -> tuple[float, float]:
 def placement_stripes(fit: Fit, placement: int) -> tuple[float, float]:
     """Robust scatter about zero (px) and share of rejected stripe places of one placement (-1: the footboard)."""
     own = (fit.rows.placement == placement) & (fit.rows.laser >= 0)
-    if not np.any(own):
+    if np.count_nonzero(own) < _FEWEST_ON_ONE_BOARD:
         return 0.0, 0.0
     return 1.4826 * float(np.median(np.abs(fit.residual_px[own]))), float(np.mean(fit.weight[own] == 0.0))
 
@@ -163,7 +167,22 @@ def _stripe_gates(joint: JointFit, limits: Limits) -> list[Gate]:
     return [
         Gate("stripe_scatter_px", scatter[worst], limits.stripe_px, where(worst), advice),
         Gate("rejected_stripe_places", rejected[most], limits.rejected_stripes, where(most), advice),
+        _lopsided_gate(fit, limits),
     ]
+
+
+def _lopsided_gate(fit: Fit, limits: Limits) -> Gate:
+    """Far-off stripe places on one side of the sheet more than on the other: noise is even, reflections are not."""
+    shares: dict[str, float] = {}
+    for code, name in enumerate(LASER_NAMES):
+        for where, on_floor in (("boards", False), ("bare footboard", True)):
+            own = (fit.rows.laser == code) & ((fit.rows.placement == FLOOR_PLACEMENT) == on_floor)
+            if np.count_nonzero(own) >= _FEWEST_LOPSIDED:
+                ratio = fit.residual_px[own] / fit.scale_px[fit.rows.group[own]]
+                shares[f"{name} laser on {where}"] = abs(float(np.mean(ratio > 2.5) - np.mean(ratio < -2.5)))
+    worst = max(shares, key=lambda key: shares[key], default="")
+    advice = "Many stripe places lie off on one side: something shines or covers a laser. Remove it and record again."
+    return Gate("stripe_lopsided_share", shares.get(worst, 0.0), limits.lopsided, worst, advice)
 
 
 def _holdout_gates(holdouts: list[HoldOut], names: tuple[str, ...], limits: Limits) -> list[Gate]:
@@ -195,9 +214,6 @@ def _sheets_gate(joint: JointFit, limits: Limits) -> Gate:
         return Gate("sheets_disagree_mm", 0.0, limits.sheets_mm, "no board seen by both", advice)
     name = "bare footboard" if worst == FLOOR_PLACEMENT else f"placement {joint.intake.placement_names[worst]}"
     return Gate("sheets_disagree_mm", abs(off[worst]), limits.sheets_mm, name, advice)
-
-
-_FEWEST_ON_ONE_BOARD = 30
 
 
 def sheet_disagreements_mm(joint: JointFit) -> dict[int, float]:
@@ -329,7 +345,7 @@ def design_gates(machine: Calibration, scanner: Scanner) -> list[Gate]:
     }
     gates = [Gate(name, float(value), limit, "", advice) for name, (value, limit) in figures.items()]
     for built, planned in zip(machine.lasers, design.lasers, strict=True):
-        turn = abs(np.degrees(alpha_from_sheet(built) - alpha_from_sheet(planned)))
+        turn = np.degrees(_apart_rad(alpha_from_sheet(built), alpha_from_sheet(planned)))
         lean = abs(np.degrees(np.arcsin(built.normal[2])))
         where = f"{built.name} laser"
         gates += [
@@ -344,9 +360,15 @@ def _swapped(machine: Calibration, design: Calibration) -> str:
     """What to say when each sheet stands where the other one should."""
     right, left = (alpha_from_sheet(sheet) for sheet in machine.lasers)
     wanted_right, wanted_left = (alpha_from_sheet(sheet) for sheet in design.lasers)
-    if abs(right - wanted_left) < abs(right - wanted_right) and abs(left - wanted_right) < abs(left - wanted_left):
+    right_is_left = _apart_rad(right, wanted_left) < _apart_rad(right, wanted_right)
+    if right_is_left and _apart_rad(left, wanted_right) < _apart_rad(left, wanted_left):
         return (
             "The lasers are mislabelled: what is called right stands where the left one should, and vice versa. "
             "Exchange their outputs in the rig file and record again."
         )
     return ""
+
+
+def _apart_rad(one: float, other: float) -> float:
+    """Angle between two upright sheets, whichever way their normals point."""
+    return float(abs((one - other + 0.5 * np.pi) % np.pi - 0.5 * np.pi))

@@ -1,4 +1,4 @@
-"""A calibration recording as the estimate needs it: corners in all unlit frames, and the unlit frame of each lit one."""
+"""What a calibration recording shows: corners in the unlit frames, and the unlit frame of each lit one."""
 
 from collections import Counter
 from collections.abc import Callable

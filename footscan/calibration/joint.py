@@ -11,20 +11,21 @@ from footscan.calibration.misfit import head_angles, stripe_points_head
 from footscan.calibration.sightings import NO_STRIPES, Sightings, StripePoints
 from footscan.calibration.solve import EVERYTHING, Fit, Unknowns, fit_estimate
 from footscan.calibration.stripes import assign_stripes, find_stripes
-from footscan.calibration.uncertainty import standard_deviations
-from footscan.coordinates import LASER_NAMES, Floats, Ints
+from footscan.calibration.uncertainty import standard_deviations, volume_points
+from footscan.coordinates import LASER_NAMES, Floats
 from footscan.errors import PoorFitError
 from footscan.geometry.plane import fit_plane
 from footscan.optics import LightPlane
-from footscan.optics.calibration import Calibration
+from footscan.optics.calibration import Calibration, camera_from_world
 
 CORNERS_ONLY = Unknowns((*CAMERA, "phi_rad", "sigma_rad", "t_x_mm", "t_y_mm", "latency_s"))
 """Without the footboard the height of W's origin is unknown: t_z stays."""
 _WITHOUT_K2 = tuple(name for name in EVERYTHING.machine if name != "k2_per_mm4")
 _TRIALS = 400
-_INLIER_MM = 1.0
+_INLIER_MM = (0.5, 0.2, 0.1)
 _FEWEST_STRIPE_POINTS = 60
 _WORTH_KEEPING = 3.0
+_LEVEL_MM = 1.0
 
 
 @dataclass(frozen=True)
@@ -72,12 +73,13 @@ def fit_jointly(
         PoorFitError: A laser left too few stripe places on boards or footboard to fix its sheet.
     """
     raw = find_stripes(intake, progress)
-    estimate = corners_fit.estimate
-    stripes = assign_stripes(raw, estimate, intake)
+    stripes = assign_stripes(raw, corners_fit.estimate, intake)
+    _enough(stripes)
+    start = _guess_sheets(corners_fit.estimate, stripes, intake)
+    stripes = assign_stripes(raw, start, intake)
     _enough(stripes)
     sightings = Sightings(intake.times, intake.corners, stripes, intake.placement_names)
-    start = replace(estimate, machine=_guess_sheets(estimate, sightings))
-    fit, decisions = _fit_and_choose(start, sightings, choices)
+    fit, decisions = _fit_and_choose(start, sightings, choices, intake.recording.scanner.camera.k2_per_mm4)
     return JointFit(intake, sightings, corners_fit, fit, decisions)
 
 
@@ -95,54 +97,90 @@ def _enough(stripes: StripePoints) -> None:
                 )
 
 
-def _guess_sheets(estimate: Estimate, sightings: Sightings) -> Calibration:
-    """Each sheet as the plane that most of its stripe places agree on, whatever the design says."""
-    xyz_head = stripe_points_head(estimate, sightings.stripes, head_angles(estimate, sightings))
-    sheets = [
-        _consensus_sheet(
-            sheet,
-            xyz_head[sightings.stripes.laser == code],
-            sightings.stripes.placement[sightings.stripes.laser == code],
-        )
+def _guess_sheets(estimate: Estimate, stripes: StripePoints, intake: Intake) -> Estimate:
+    """Each sheet as the plane that most stripe places on boards agree on, and z = 0 where the footboard then is."""
+    sightings = Sightings(intake.times, intake.corners, stripes, intake.placement_names)
+    theta_rad = head_angles(estimate, sightings)
+    on_board = stripes.placement >= 0
+    xyz_head = stripe_points_head(estimate, stripes, theta_rad)
+    right, left = (
+        consensus_sheet(sheet, xyz_head[on_board & (stripes.laser == code)])
         for code, sheet in enumerate(estimate.machine.lasers)
+    )
+    machine = replace(estimate.machine, lasers=(right, left))
+    floor = stripes.kept(~on_board)
+    _refuse_exchanged(machine, floor)
+    heights = [
+        volume_points(machine, name, floor.yz_pixel[floor.laser == code])[:, 2] for code, name in enumerate(LASER_NAMES)
     ]
-    return replace(estimate.machine, lasers=(sheets[0], sheets[1]))
+    return lowered(replace(estimate, machine=machine), float(np.median(np.concatenate(heights))))
 
 
-def _consensus_sheet(sheet: LightPlane, xyz_head: Floats, placement: Ints) -> LightPlane:
-    """The plane through three random places that has most of the others near; half of the trials start on boards."""
+def _refuse_exchanged(machine: Calibration, floor: StripePoints) -> None:
+    """Refuse footboard frames whose stripes are level only when the lasers' names are exchanged."""
+    uneven = [_unevenness_mm(machine, floor, exchanged) for exchanged in (False, True)]
+    if uneven[1] < _LEVEL_MM < uneven[0]:
+        raise PoorFitError(
+            "no calibration: the lasers are mislabelled in the frames of the bare footboard, or in most of the others: "
+            "what is called right there is called left on the boards. Correct frames.csv or the wiring and "
+            "record it again. The calibration in force stays."
+        )
+
+
+def _unevenness_mm(machine: Calibration, floor: StripePoints, exchanged: bool) -> float:
+    """How far stripe places of the bare footboard are from one height, seen through their own or the other sheet."""
+    names = LASER_NAMES[::-1] if exchanged else LASER_NAMES
+    heights = np.concatenate(
+        [volume_points(machine, name, floor.yz_pixel[floor.laser == code])[:, 2] for code, name in enumerate(names)]
+    )
+    return float(np.median(np.abs(heights - np.median(heights))))
+
+
+def lowered(estimate: Estimate, height_mm: float) -> Estimate:
+    """The same machine and boards in a W whose origin lies `height_mm` higher along the axis."""
+    machine, boards = estimate.machine, estimate.world_from_board.copy()
+    boards[:, 2, 3] -= height_mm
+    along = camera_from_world(machine)[:3, 2] * height_mm
+    t_x, t_y, t_z = (float(t) for t in np.asarray(machine.pose.translation_mm) + along)
+    right, left = (replace(s, offset_mm=s.offset_mm - s.normal[2] * height_mm) for s in machine.lasers)
+    machine = replace(machine, pose=replace(machine.pose, translation_mm=(t_x, t_y, t_z)), lasers=(right, left))
+    return replace(estimate, machine=machine, world_from_board=boards)
+
+
+def consensus_sheet(sheet: LightPlane, xyz_head: Floats) -> LightPlane:
+    """The plane through three random places `(n, 3)` that has most of the others near, refined on those."""
     random = np.random.default_rng(1)
-    board, floor = np.flatnonzero(placement >= 0), np.flatnonzero(placement < 0)
-    share = 1.0 / np.bincount((placement >= 0).astype(np.int64), minlength=2)
-    worth = share[(placement >= 0).astype(np.int64)]
-    best, most = None, -1.0
+    best, most = np.ones(len(xyz_head), dtype=np.bool_), 0
     for _ in range(_TRIALS):
-        chosen = np.concatenate([random.choice(board, 2), random.choice(floor, 1)])
-        one, two, three = xyz_head[chosen]
+        one, two, three = xyz_head[random.choice(len(xyz_head), 3, replace=False)]
         normal = np.cross(two - one, three - one)
         length = float(np.linalg.norm(normal))
         if length < 1.0:
             continue
-        distance = np.abs((xyz_head - one) @ (normal / length))
-        count = float(worth[distance < _INLIER_MM].sum())
-        if count > most:
-            best, most = distance < _INLIER_MM, count
-    assert best is not None
+        near = np.abs((xyz_head - one) @ (normal / length)) < _INLIER_MM[0]
+        if np.count_nonzero(near) > most:
+            best, most = near, int(np.count_nonzero(near))
     plane = fit_plane(xyz_head[best])
+    for tolerance_mm in _INLIER_MM[1:]:
+        off = plane.distance_mm(xyz_head)
+        near = np.abs(off - np.median(off[np.abs(off) < _INLIER_MM[0]])) < tolerance_mm
+        plane = fit_plane(xyz_head[near]) if np.count_nonzero(near) >= _FEWEST_STRIPE_POINTS else plane
     # both normals of a plane are right; take the one nearer to the design's
     sign = 1.0 if float(plane.normal_array @ np.array(sheet.normal)) > 0.0 else -1.0
     n = sign * plane.normal_array
     return LightPlane(sheet.name, (float(n[0]), float(n[1]), float(n[2])), sign * plane.offset_mm)
 
 
-def _fit_and_choose(start: Estimate, sightings: Sightings, choices: Choices) -> tuple[Fit, tuple[str, ...]]:
+def _fit_and_choose(
+    start: Estimate, sightings: Sightings, choices: Choices, designed_k2: float
+) -> tuple[Fit, tuple[str, ...]]:
     """Fit, then keep K2, eccentricity and horizontal scale only where the data show them."""
     asked = ("horizontal_scale",) if choices.horizontal_scale else ()
     fit = fit_estimate(start, sightings, Unknowns((*EVERYTHING.machine, *asked)))
     decisions: list[str] = []
     if not _k2_observable(fit):
         decisions.append("K2 is not observable in these pictures and stays as designed")
-        kept = replace(fit.estimate.machine.camera, k2_per_mm4=start.machine.camera.k2_per_mm4)
+        kept = replace(fit.estimate.machine.camera, k2_per_mm4=designed_k2)
         again = replace(fit.estimate, machine=replace(fit.estimate.machine, camera=kept))
         fit = fit_estimate(again, sightings, Unknowns((*_WITHOUT_K2, *asked)))
     if asked:

@@ -9,7 +9,7 @@ from footscan.calibration.sightings import FLOOR_PLACEMENT, Corners, Sightings, 
 from footscan.coordinates import Floats, Ints
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics.calibration import camera_from_world, theta_from_encoder
-from footscan.optics.camera import image_from_pixel, pixel_from_camera, ray_from_undistorted, undistorted_from_distorted
+from footscan.optics.camera import image_from_pixel, ray_from_undistorted, undistorted_from_distorted
 
 _LEAST_SLOPE = 1e-6
 
@@ -21,13 +21,21 @@ def head_angles(estimate: Estimate, sightings: Sightings) -> Floats:
 
 
 def corner_misfit_px(estimate: Estimate, corners: Corners, theta_rad: Floats) -> Floats:
-    """Seen minus expected place of `(n,)` corners, `(n, 2)` px in F; NaN where a corner would be behind the lens."""
+    """Seen minus expected place of `(n,)` corners, `(n, 2)` px along y_F and z_F; NaN for a corner behind the lens.
+
+    Both are compared after the distortion of the seen one is removed (eq. 14): so nothing has to be inverted, and a
+    wild trial of K1 and K2 cannot fold the picture.
+    """
     xyz_world = board_points(estimate, corners.placement, corners.xy_board)
     xyz_head = _turned_back(xyz_world, theta_rad[corners.frame])
     camera_from_head = camera_from_world(estimate.machine)
     xyz_camera = xyz_head @ camera_from_head[:3, :3].T + camera_from_head[:3, 3]
-    expected = pixel_from_camera(xyz_camera, estimate.machine.camera)
-    return corners.yz_pixel - expected - estimate.doubts[corners.placement, len(SHAPE) :]
+    camera = estimate.machine.camera
+    depth = xyz_camera[:, 0] - camera.focal_length_mm
+    reach = np.where(depth > 0.0, -camera.focal_length_mm / np.where(depth > 0.0, depth, 1.0), np.nan)
+    seen = corners.yz_pixel - estimate.doubts[corners.placement, len(SHAPE) :]
+    off_mm = undistorted_from_distorted(image_from_pixel(seen, camera), camera) - xyz_camera[:, 1:] * reach[:, None]
+    return off_mm / np.array([camera.horizontal_scale * camera.pixel_pitch_y_mm, -camera.pixel_pitch_z_mm])
 
 
 def board_points(estimate: Estimate, placement: Ints, xy_board: Floats) -> Floats:

@@ -26,7 +26,7 @@ from footscan.calibration.misfit import corner_misfit_px, head_angles, stripe_mi
 from footscan.calibration.sightings import Sightings
 from footscan.coordinates import Bools, Floats, Ints
 
-TUKEY = 5.0
+TUKEY = 4.0
 """Residuals beyond this many standard deviations have no weight; below it Tukey's biweight."""
 _HUBER = 1.5
 _LEAST_SCALE_PX = 0.005
@@ -55,6 +55,12 @@ class Unknowns:
 
 FIRMNESS = {"stretch_x": 1e4, "stretch_y": 1e4, "lens_y_px": 1e-2, "lens_z_px": 1e-2}
 """1 / variance that holds doubts where their common part cannot be seen: 1 % of stretch, 10 px of lens."""
+
+
+def firmness(unknowns: Unknowns, placements: int) -> Floats:
+    """1 / variance `(k,)` with which each unknown is held; 0 for all but doubts."""
+    return np.array([FIRMNESS.get(name.split("[")[0], 0.0) for name in unknowns.names(placements)])
+
 
 EVERYTHING = Unknowns((*CAMERA, *HEAD, *RIGHT, *LEFT, *FLOOR, "latency_s"))
 POSES_ONLY = Unknowns(())
@@ -106,6 +112,13 @@ class Fit:
         """Weighted normal matrix `(k, k)`."""
         with threadpool_limits(1):
             return (self.jacobian * self.weight[:, None]).T @ self.jacobian
+
+    def spread(self) -> Floats:
+        """Covariance `(k, k)` as the weights alone say; doubts are held where their common part cannot be seen."""
+        matrix = self.normal_matrix() + np.diag(firmness(self.unknowns, self.estimate.placements))
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        scaled = np.linalg.pinv(matrix * unit[:, None] * unit[None, :], rcond=1e-14, hermitian=True)
+        return np.asarray(scaled * unit[:, None] * unit[None, :])
 
     def kept(self) -> Bools:
         """`(r,)` residuals that were not rejected as outliers."""
@@ -196,8 +209,7 @@ class _Problem:
     def __init__(self, sightings: Sightings, unknowns: Unknowns, scale_px: Floats | None) -> None:
         self.sightings, self.unknowns, self.given_scale = sightings, unknowns, scale_px
         self.rows = rows_of(sightings)
-        names = unknowns.names(len(sightings.placement_names))
-        self.firmness = np.array([FIRMNESS.get(name.split("[")[0], 0.0) for name in names])
+        self.firmness = firmness(unknowns, len(sightings.placement_names))
         self._px_per_mm: Floats | None = None
 
     def residual_px(self, estimate: Estimate) -> Floats:

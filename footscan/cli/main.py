@@ -7,6 +7,7 @@ import traceback
 import typer
 
 from footscan.cli.bench import bench_app
+from footscan.cli.calibrate import calibrate, calibration_app
 from footscan.cli.info import info
 from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
@@ -29,8 +30,10 @@ app.command("section")(section_command)
 app.command("scan")(scan_command)
 app.command("scans")(scans_command)
 app.command()(simulate)
+app.command()(calibrate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")
+app.add_typer(calibration_app, name="calibration")
 app.add_typer(patients_app, name="patients")
 
 

@@ -1,13 +1,20 @@
 """Typed settings: the only place that reads TOML. Files are validated by pydantic; frozen dataclasses come out."""
 
 from footscan.config.board import Board, board_toml, load_board
-from footscan.config.calibration_file import calibration_toml, load_calibration, save_calibration
+from footscan.config.calibration_file import (
+    CalibrationRecord,
+    calibration_toml,
+    load_calibration,
+    load_calibration_record,
+    save_calibration,
+)
 from footscan.config.recording_file import RecordingInfo, Subject, load_recording_info, recording_toml
 from footscan.config.scanner_file import load_scanner, scanner_toml
 from footscan.config.toml_file import file_kind
 
 __all__ = [
     "Board",
+    "CalibrationRecord",
     "RecordingInfo",
     "Subject",
     "board_toml",
@@ -15,6 +22,7 @@ __all__ = [
     "file_kind",
     "load_board",
     "load_calibration",
+    "load_calibration_record",
     "load_recording_info",
     "load_scanner",
     "recording_toml",

@@ -1,6 +1,7 @@
 """calibration.toml (`footscan-calibration/1`): a machine as measured."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -121,6 +122,25 @@ class CalibrationModel(Strict):
         )
 
 
+@dataclass(frozen=True)
+class CalibrationRecord:
+    """A calibration file with what it says of itself: figures of quality, and where it comes from."""
+
+    calibration: Calibration
+    quality: Table
+    history: Table
+
+
+def load_calibration_record(path: Path | str) -> CalibrationRecord:
+    """Read and validate calibration.toml with its `[quality]` and `[history]`; missing ones are empty.
+
+    Raises:
+        ConfigError: As `load_calibration`.
+    """
+    model = load_file(Path(path), "calibration", CalibrationModel)
+    return CalibrationRecord(model.calibration(), model.quality or {}, model.history or {})
+
+
 def load_calibration(path: Path | str) -> Calibration:
     """Read and validate calibration.toml.
 
@@ -130,8 +150,8 @@ def load_calibration(path: Path | str) -> Calibration:
     return load_file(Path(path), "calibration", CalibrationModel).calibration()
 
 
-def calibration_toml(calibration: Calibration, quality: Table | None = None) -> bytes:
-    """calibration.toml of a calibration, with an optional `[quality]` table of plain values."""
+def calibration_toml(calibration: Calibration, quality: Table | None = None, history: Table | None = None) -> bytes:
+    """calibration.toml of a calibration, with optional `[quality]` and `[history]` tables of plain values."""
     table: Table = {"format": "footscan-calibration/1", "scanner": calibration.scanner}
     if calibration.machine_id is not None:
         table["machine_id"] = calibration.machine_id
@@ -153,13 +173,16 @@ def calibration_toml(calibration: Calibration, quality: Table | None = None) -> 
             for sheet in calibration.lasers
         ],
     }
-    return toml_bytes(table | ({"quality": quality} if quality else {}))
+    more = {"quality": quality, "history": history}
+    return toml_bytes(table | {key: value for key, value in more.items() if value})
 
 
-def save_calibration(calibration: Calibration, path: Path, quality: Table | None = None) -> None:
+def save_calibration(
+    calibration: Calibration, path: Path, quality: Table | None = None, history: Table | None = None
+) -> None:
     """Write calibration.toml, whole or not at all.
 
     Raises:
         StorageError: The place cannot be written.
     """
-    write_whole(path, calibration_toml(calibration, quality))
+    write_whole(path, calibration_toml(calibration, quality, history))

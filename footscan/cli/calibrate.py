@@ -1,0 +1,106 @@
+"""`footscan calibrate`, `board`, `accept`, `calibration history`: the technician's commands."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from footscan.calibration.joint import Choices
+from footscan.calibration.quality import quality_lines
+from footscan.cli.console import STDOUT, print_json, progress_bar
+from footscan.config import load_calibration, load_calibration_record
+from footscan.errors import InputError
+from footscan.records.data_folder import data_folder
+from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
+from footscan.workflow.calibration_log import in_force_path, machines, read_log, reminders, zone_trends
+
+calibration_app = typer.Typer(help="What is known of calibrations in force.", no_args_is_help=True)
+
+_MEASURED = "Length of the print over all squares, by calliper, mm, without the white border."
+
+
+@calibration_app.callback()
+def _calibration() -> None:
+    """What is known of calibrations in force."""
+
+
+def calibrate(
+    recording: Annotated[Path, typer.Argument(help="Folder of a calibration recording.")],
+    out: Annotated[Path, typer.Option(help="calibration.toml to write; a refusal leaves it as it is.")],
+    measured_x: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a row.")] = None,
+    measured_y: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a column.")] = None,
+    horizontal_scale: Annotated[
+        bool, typer.Option("--horizontal-scale", help="Estimate the camera's horizontal scale too.")
+    ] = False,
+    in_force: Annotated[
+        bool, typer.Option("--in-force", help="Also put it in force in the data folder, with its history.")
+    ] = False,
+    data: Annotated[Path | None, typer.Option(help="Data folder; default: FOOTSCAN_DATA or the user's own.")] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print the [quality] table and nothing else.")] = False,
+) -> None:
+    """Find camera, lasers, axis and latency from a calibration recording; exit status 4 when a gate refuses them."""
+    if (measured_x is None) != (measured_y is None):
+        raise InputError("one measured length of the board was given; give both, --measured-x and --measured-y.")
+    measured = None if measured_x is None or measured_y is None else (measured_x, measured_y)
+    kept = data_folder(data) if in_force or data is not None else None
+    settings = CalibrateSettings(measured, Choices(horizontal_scale=horizontal_scale), kept)
+    with progress_bar("frames", quiet=json_only) as progress:
+        result = run_calibration(recording, out, settings, progress)
+    if json_only:
+        print_json(load_calibration_record(out).quality)
+        return
+    for line in quality_lines(result):
+        STDOUT.print(line)
+    STDOUT.print(f"Calibration in {out}, its tables in {tables_path(out).name} ({sum(result.seconds.values()):.1f} s)")
+    if kept is not None:
+        STDOUT.print(f"In force: {in_force_path(kept, result.calibration.machine_id or result.calibration.scanner)}")
+
+
+@calibration_app.command("history")
+def history(
+    machine: Annotated[str | None, typer.Option(help="Machine id; default: every machine with a history.")] = None,
+    data: Annotated[Path | None, typer.Option(help="Data folder; default: FOOTSCAN_DATA or the user's own.")] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Calibrations, interventions, and how left and right disagree in scans of feet that were judged still."""
+    folder = data_folder(data)
+    names = [machine] if machine is not None else machines(folder)
+    told = {name: _machine_history(folder, name) for name in names}
+    if machine is not None and not told[machine]["events"]:
+        raise InputError(f"{folder} has no history of a machine called {machine!r}; check --machine and --data.")
+    if json_only:
+        print_json({"machines": told})
+        return
+    for name, entry in told.items():
+        _tell_history(name, entry)
+    if not told:
+        STDOUT.print(f"No calibration was put in force in {folder} yet; footscan calibrate --in-force does.")
+
+
+def _machine_history(folder: Path, name: str) -> dict[str, Any]:
+    events = read_log(folder, name)
+    path = in_force_path(folder, name)
+    notes = (
+        reminders(load_calibration(path), events, datetime.now(UTC)) if path.is_file() else ["no calibration in force"]
+    )
+    trends = {
+        trend.zone: {"scans": len(trend.median_mm), "drift_mm": trend.drift_mm, "median_mm": list(trend.median_mm)}
+        for trend in zone_trends(events)
+    }
+    return {"events": events, "reminders": notes, "agreement": trends}
+
+
+def _tell_history(name: str, entry: dict[str, Any]) -> None:
+    STDOUT.print(f"Machine {name}")
+    for event in entry["events"]:
+        if event["kind"] == "calibration":
+            errors = ", ".join(f"{laser} {mm:.3f}" for laser, mm in event.get("expected_error_mm", {}).items())
+            STDOUT.print(f"  {event['at']}  calibrated, expected error {errors} mm  ({event['sha256'][:12]})")
+        elif event["kind"] == "service":
+            STDOUT.print(f"  {event['at']}  {event.get('what', 'intervention')}")
+    for zone, trend in entry["agreement"].items():
+        values = " ".join(f"{x:+.2f}" for x in trend["median_mm"][-10:])
+        STDOUT.print(f"  {zone:8} right minus left over {trend['scans']} still scans: {values} mm")
+    for note in entry["reminders"]:
+        STDOUT.print(f"  Reminder: {note}")
