@@ -15,6 +15,7 @@ from footscan.errors import StorageError
 from footscan.optics.scanner import Sweep
 from footscan.scanning.recorder import RecordingWriter
 from footscan.scanning.recording import FrameLaser
+from footscan.sim.artefacts import Artefact, save_artefact
 from footscan.sim.machine import TrueMachine, world_from_board
 from footscan.sim.motion import HeadMotion, SweepPlan, plan_motion, sample_encoder
 from footscan.sim.obstacles import Part, join_parts
@@ -110,6 +111,7 @@ def simulate_recording(
     created: str | None = None,
     with_seen: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    artefact: Artefact | None = None,
 ) -> None:
     """Run a scan into a new recording folder, with `truth-calibration.toml` and `truth.stl` beside the frames.
 
@@ -121,6 +123,7 @@ def simulate_recording(
         created: RFC 3339 moment; now if not given.
         with_seen: Also write `truth-seen.npy`: how many sheets, 0 to 2, can light and show each face of `truth.stl`.
         progress: Called with the frames done and all frames.
+        artefact: What is known about the artefact on the board, for artefact.toml.
 
     Raises:
         RecordingError: The folder already holds a recording.
@@ -130,6 +133,8 @@ def simulate_recording(
     info = RecordingInfo("scan", side, created, notes)
     make_folder(folder)
     with RecordingWriter(folder, info, scanner_toml(scan.machine.scanner)) as writer:
+        if artefact is not None:
+            save_artefact(artefact, folder)
         writer.add_counts(*scan.counts())
         for done, taken in enumerate(scan.frames(), start=1):
             writer.add_frame(taken.frame, taken.time_s, taken.laser, taken.sweep)

@@ -12,7 +12,7 @@ from footscan.coordinates import Side
 from footscan.optics.scanner import Scanner
 from footscan.scanning.recording import open_recording
 from footscan.scanning.sweep import Progress
-from footscan.sim.artefacts import ARTEFACT_NAMES, USUAL_ARTEFACT, ArtefactChoice, build_artefact, save_artefact
+from footscan.sim.artefacts import ARTEFACT_NAMES, USUAL_ARTEFACT, ArtefactChoice, build_artefact
 from footscan.sim.calibration_run import CalibrationPlan, prepare_calibration, simulate_calibration
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.motion import SweepPlan
@@ -82,9 +82,7 @@ def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, pr
     picture = replace(DEFAULT_PICTURE, exposure=settings.exposure)
     scan = prepare_scan(_machine(scanner, settings.seed), surface, plan, picture, settings.seed or 0, beside)
     notes = ", ".join([f"simulated: {settings.thing}", *settings.obstacles])
-    simulate_recording(folder, scan, settings.side, notes, progress=progress)
-    if artefact is not None:
-        save_artefact(artefact, folder)
+    simulate_recording(folder, scan, settings.side, notes, progress=progress, artefact=artefact)
     return scan.surface
 
 
