@@ -15,6 +15,10 @@ from footscan.workflow.designs import builtin_scanner
 from footscan.workflow.simulate import SimulateSettings, simulate_scan
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rig", help="rig file of a real machine, for the tests marked hardware")
+
+
 @pytest.fixture(scope="session")
 def shared_dir() -> Path:
     place = os.environ.get("FOOTSCAN_SHARED")
