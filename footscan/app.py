@@ -16,6 +16,7 @@ from footscan.scanning.session.control import RigDevices, Session, SessionSetup,
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
+from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
 from footscan.sim.standing import Standing
@@ -66,7 +67,8 @@ def build_world(rig: Rig, side: Side, clock: Clock) -> World:
     machine = true_machine(rig)
     home_rad = float(np.deg2rad(rig.motion.home_deg)) + _switch_off_rad(model)
     settings = WorldSettings(drive_of(rig.scanner, rig.motion), home_rad, seed=model.seed or 0)
-    return World(machine, _standing(model, machine, side), settings, clock)
+    module = None if model.mirror is None else MirroredModule(Path(model.mirror))
+    return World(machine, _standing(model, machine, side), settings, clock, module)
 
 
 def true_machine(rig: Rig) -> TrueMachine:

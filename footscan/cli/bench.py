@@ -7,12 +7,16 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json
+from footscan.cli.scan import chosen_rig
 from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
-from footscan.workflow import foot_bench, process_bench, stripe_bench
+from footscan.scanning.session.control import SessionSetup
+from footscan.workflow import foot_bench, process_bench, session_bench, stripe_bench
 from footscan.workflow.designs import builtin_scanner
+from footscan.workflow.process import build_tables
 
 bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)
 
@@ -118,3 +122,23 @@ def bench_process(
         )
     loop, stages = long.loop_s / short.loop_s, long.stages_s / short.stages_s
     STDOUT.print(f"{times} times the frames: frame loop {loop:.1f} times, all stages {stages:.1f} times the time")
+
+
+@bench_app.command("session")
+def bench_session_command(
+    rate: Annotated[list[float] | None, typer.Option(help="Frames a second; several are tried in turn.")] = None,
+) -> None:
+    """A whole scan at high frame rates, pictures made beforehand: what is kept, and how fast it reaches the disk."""
+    rig = chosen_rig(None, fast=False)
+    calibration = rig_app.true_machine(rig).calibration
+    with announce_compilation(STDERR.print):
+        setup = SessionSetup(rig.scanner, rig.motion, calibration, build_tables(calibration))
+        for frames_per_s in rate or (25.0, 100.0, 200.0):
+            run = session_bench.bench_session(rig, rig_app.open_rig(rig), setup, frames_per_s)
+            frames, live = run.frames, run.live
+            rejected = ", ".join(f"{count} {why}" for why, count in frames.rejected.items()) or "none"
+            STDOUT.print(
+                f"{frames_per_s:5.0f} frames/s: {frames.captured} captured, {frames.kept} kept, rejected: {rejected}, "
+                f"{frames.lost} lost; {run.sustained_per_s:.0f} frames/s from camera to disk; "
+                f"live view {live.shown} of {live.given} shown"
+            )

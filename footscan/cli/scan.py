@@ -111,7 +111,7 @@ def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Gen
     """A session over a rig's devices; everything is off at the end, however it ends, SIGTERM included."""
 
     def end(number: int, frame: object) -> None:
-        raise SystemExit(128 + number)
+        raise InterlockError("stopped by SIGTERM; lasers and motor are off, what was captured is kept.")
 
     before = signal.signal(signal.SIGTERM, end)
     opened = rig_app.open_rig(rig, side)

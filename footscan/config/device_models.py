@@ -142,6 +142,8 @@ class WorldModel(Strict):
         person: Stands like a statue, calm (breathing and pulse), or restless (sways, drifts, twitches).
         obstacles: What else is in the way.
         time: As fast as the wall clock, or as fast as this computer can.
+        mirror: Unix socket of another process that keeps a twin of the output module (for the drill of a killed
+            program).
     """
 
     object: str = "foot"
@@ -150,6 +152,7 @@ class WorldModel(Strict):
     seed: int | None = Field(default=1, ge=0)
     person: Literal["statue", "calm", "restless"] = "calm"
     time: Literal["real", "fast"] = "real"
+    mirror: str | None = None
 
 
 CameraModels = Annotated[SimulatedCamera | V4l2CameraModel | FileCameraModel, Field(discriminator="kind")]

@@ -16,6 +16,9 @@ from footscan.optics.scanner import Scanner
 TOE_RADIUS_MM = 140.0
 """Where stripe spacing is stated: the tip of a long foot that stands with its middle on the axis."""
 
+REACTION_S = 0.1
+"""A busy computer may be this late in switching the motor off."""
+
 Degrees = Annotated[float, Field(ge=-720, le=720)]
 Range = Annotated[tuple[Degrees, Degrees], BeforeValidator(tuple_from_list)]
 
@@ -71,7 +74,8 @@ class MotionModel(Strict):
             yield f"home_deg {self.home_deg:g} must lie between the lower travel limit {low:g} and the sweep {begin:g}"
         if sorted(set(self.speeds_deg_per_s)) != list(self.speeds_deg_per_s) or self.speeds_deg_per_s[0] <= 0:
             yield f"speeds_deg_per_s {list(self.speeds_deg_per_s)} must be positive and rise"
-        stopping = self.speeds_deg_per_s[-1] ** 2 / (2.0 * self.acceleration_deg_per_s2)
+        top = self.speeds_deg_per_s[-1]
+        stopping = top**2 / (2.0 * self.acceleration_deg_per_s2) + REACTION_S * top
         if stopping > min(begin - low, high - end):
             yield (
                 f"at {self.speeds_deg_per_s[-1]:g} degrees/s the head stops within {stopping:.1f} degrees, "

@@ -76,9 +76,16 @@ class _Faults:
 class World:
     """Everything outside the computer; safe to look at from several threads."""
 
-    def __init__(self, machine: TrueMachine, standing: Standing, settings: WorldSettings, clock: Clock) -> None:
+    def __init__(
+        self,
+        machine: TrueMachine,
+        standing: Standing,
+        settings: WorldSettings,
+        clock: Clock,
+        module: IoModule | None = None,
+    ) -> None:
         self.machine, self.standing, self.settings, self.clock = machine, standing, settings, clock
-        self.module = IoModule()
+        self.module = module or IoModule()
         self.start_s = clock.now_s()
         random = np.random.default_rng([settings.seed, 0x9053E])
         first_rad = float(random.uniform(settings.home_rad, 2.0 * np.pi))

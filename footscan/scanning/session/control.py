@@ -141,6 +141,11 @@ class Session:
         """The machine at the end of the last round."""
         return self._snapshot
 
+    @property
+    def settled(self) -> bool:
+        """Nothing runs any more and the recording is closed."""
+        return self._snapshot.state not in BUSY and self._machine.keeper.finished
+
     def post(self, command: Callable[[Machine], Program | None], interrupts: bool = False) -> Ticket:
         """Give the control thread something to do: a program, or one thing done at once.
 

@@ -10,7 +10,6 @@ import numpy as np
 from footscan.config import RecordingInfo
 from footscan.devices.clock import Clock
 from footscan.devices.values import CameraFrame, EncoderSamples, Outputs
-from footscan.errors import FootscanError
 from footscan.scanning.recorder import RecordingWriter
 from footscan.scanning.recording import FrameLaser, FrameSweep
 from footscan.scanning.session.angle_track import AngleTrack
@@ -171,7 +170,7 @@ class Keeper:
         """The thread has failed: close what is written so that it can be read; the rest of the queue is named."""
         recording, self._recording, self._accepting = self._recording, None, False
         if recording is not None:
-            recording.writer.__exit__(FootscanError, None, None)
+            recording.writer.break_off()
             with self._lock:
                 self._rejected["not written"] += self._captured - self._kept - self._rejected.total()
 
