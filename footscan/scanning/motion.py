@@ -202,8 +202,14 @@ def _row(code: int, item: _Evidence) -> ZoneMotion:
     if shift is None:
         return _not_judged(ZONES[code])
     size, sigma, detectable = shift.size_mm, shift.sigma_mm, _detectable_mm(shift)
-    moved = True if size >= detectable else (None if detectable > LARGEST_DETECTABLE_MM else False)
+    moved = True if _has_moved(shift) else (None if detectable > LARGEST_DETECTABLE_MM else False)
     return ZoneMotion(ZONES[code], item.kind, item.when, shift.points, size, sigma, detectable, moved)
+
+
+def _has_moved(shift: ZoneShift) -> bool:
+    """By its whole way, or by what it shows along the normals: a small patch tells that well and hides the rest."""
+    shown = shift.shown_mm >= max(MOVED_MM, MOVED_SIGMAS * shift.shown_sigma_mm)
+    return shown or shift.size_mm >= _detectable_mm(shift)
 
 
 def _detectable_mm(shift: ZoneShift) -> float:
@@ -230,18 +236,18 @@ def _finding(zones: tuple[ZoneMotion, ...], found: list[_Evidence]) -> MotionFin
     assert most.sigma_mm is not None
     together = any(_moves_as_one(item.comparison) for item in found if not item.revisit)
     name = WHOLE_FOOT if together else most.zone
-    return MotionFinding(name, most.displacement_mm, most.sigma_mm, _when(most, found))
+    return MotionFinding(name, most.displacement_mm, most.sigma_mm, _when(most, together, found))
 
 
-def _when(most: ZoneMotion, found: list[_Evidence]) -> str:
+def _when(most: ZoneMotion, together: bool, found: list[_Evidence]) -> str:
     """A motion between two looks is one between the sweeps only where each sweep was seen to be still in itself."""
-    code = ZONES.index(most.zone)
-    within = [_row(code, item) for item in found if item.when.startswith("during")]
+    codes = range(len(ZONES)) if together else [ZONES.index(most.zone)]
+    within = [_row(code, item) for item in found if item.when.startswith("during") for code in codes]
     for row in within:
         if row.moved:
             return row.when
-    sweeps = {item.when for item in found if item.when.startswith("during") and _row(code, item).moved is False}
-    if most.when.startswith("during") or len(sweeps) >= 2:
+    still = {row.when for row in within if row.moved is False}
+    if most.when.startswith("during") or len(still) >= 2:
         return most.when
     return most.when + ", or during one of them"
 
@@ -249,7 +255,7 @@ def _when(most: ZoneMotion, found: list[_Evidence]) -> str:
 def _moves_as_one(comparison: Comparison) -> bool:
     """Whether one rigid motion explains those of all zones, of which several moved."""
     shifts = [shift for shift in comparison.zones.values() if _detectable_mm(shift) <= LARGEST_DETECTABLE_MM]
-    moved = [shift for shift in shifts if shift.size_mm >= _detectable_mm(shift)]
+    moved = [shift for shift in shifts if _has_moved(shift)]
     if len(moved) < _AS_ONE_ZONES:
         return False
     places = [shift.centre_world + 15.0 * np.concatenate([np.eye(3), -np.eye(3)]) for shift in shifts]

@@ -30,7 +30,7 @@ _SHARED_SHARE = 0.8  # of the scatter: error that the points of a patch have in 
 _ROUNDS = 3
 _NEAR_MM = 0.4
 _POINTS_PER_ZONE = 400
-_THINNED = 2
+_MOST_POINTS = 16000  # of a look, as neighbours: two dozen of them then reach over three stripes
 _SAME_SKIN = 0.9
 """Cosine between the normals that both looks have there: across a cleft between toes they differ."""
 _FEWEST_POINTS = 40
@@ -69,6 +69,7 @@ class ZoneShift:
         centre_world: `(3,)` its middle, mm.
         motion: `(6,)` shift (mm) and turn (mm at 30 mm from the middle).
         spread: `(6, 6)` mean over the points of what the motion does to them, squared.
+        shown: `(6, 6)` the same, of their way along the normals: what the looks show directly.
         covariance: `(6, 6)` of the motion.
     """
 
@@ -76,6 +77,7 @@ class ZoneShift:
     centre_world: Floats
     motion: Floats
     spread: Floats
+    shown: Floats
     covariance: Floats
 
     @property
@@ -87,6 +89,16 @@ class ZoneShift:
     def sigma_mm(self) -> float:
         """Standard deviation of that way."""
         return float(np.sqrt(np.trace(self.spread @ self.covariance)))
+
+    @property
+    def shown_mm(self) -> float:
+        """RMS way along the normals."""
+        return float(np.sqrt(self.motion @ self.shown @ self.motion))
+
+    @property
+    def shown_sigma_mm(self) -> float:
+        """Standard deviation of that way."""
+        return float(np.sqrt(np.trace(self.shown @ self.covariance)))
 
     def at(self, xyz_world: Floats) -> Floats:
         """Ways `(n, 3)` of points."""
@@ -168,7 +180,8 @@ def _one_way(
 ) -> _Facts:
     asked = _spread_over_zones(own.zone)
     # points lie much closer along a stripe than stripes lie to each other
-    thinned, thinned_other = xyz[::_THINNED], xyz_other[::_THINNED]
+    every, every_other = (max(1, round(len(cloud) / _MOST_POINTS)) for cloud in (xyz, xyz_other))
+    thinned, thinned_other = xyz[::every], xyz_other[::every_other]
     itself = find_facing(xyz[asked], own.outward[asked], PointTree(thinned), thinned, reach_mm)
     asked = asked[itself.index]
     faced = find_facing(xyz[asked], own.outward[asked], PointTree(thinned_other), thinned_other, reach_mm)
@@ -183,7 +196,7 @@ def _one_way(
     # second minus first: the second look's field counts positive
     terms = np.zeros((len(at), _CALIBRATION_TERMS))
     _add_field(terms, faced, place, own.laser, own.theta_rad[at], sign)
-    _add_field(terms, faced, place, other.laser, other.theta_rad[::_THINNED][faced.other], -sign)
+    _add_field(terms, faced, place, other.laser, other.theta_rad[::every_other][faced.other], -sign)
     rigid = np.einsum("nd,ndk->nk", faced.normal, _rigid_terms(place - _centre_of(zone, centres)))
     noise = np.sqrt(_POINT_MM**2 + faced.scatter_mm**2)
     return _Facts(place, zone, value, noise, np.concatenate([terms, rigid], axis=1))
@@ -255,7 +268,9 @@ def _solve(facts: _Facts, centres: dict[int, Floats], robust: bool) -> Compariso
         block = slice(_CALIBRATION_TERMS + 6 * place, _CALIBRATION_TERMS + 6 * place + 6)
         own = _rigid_terms(xyz[zone == code] - centres[code])
         spread = np.einsum("ndk,ndl->kl", own, own) / len(own)
-        zones[code] = ZoneShift(len(own), centres[code], solution[block], spread, covariance[block, block])
+        along = design[zone == code, block]
+        shown = along.T @ along / len(own)
+        zones[code] = ZoneShift(len(own), centres[code], solution[block], spread, shown, covariance[block, block])
     pattern = design[:, :_CALIBRATION_TERMS] @ solution[:_CALIBRATION_TERMS]
     left = float(np.median(np.abs(value - design @ solution)))
     return Comparison(zones, float(np.sqrt(np.mean(pattern**2))), left)

@@ -19,7 +19,7 @@ def imperfect_calibration(truth: Calibration, rms_mm: float, seed: int) -> Calib
     Camera, pose, sheets and latency are off together, in proportions that seed decides; the footboard stays.
     """
     error = np.random.default_rng([seed, 0xCA11B]).normal(size=_NUMBERS)
-    trial_mm = _off_mm(truth, _changed(truth, _TRIAL * error))
+    trial_mm = world_points_off_mm(truth, _changed(truth, _TRIAL * error))
     return _changed(truth, (_TRIAL * rms_mm / trial_mm) * error)
 
 
@@ -61,7 +61,8 @@ def _changed_sheet(sheet: LightPlane, e: Floats) -> LightPlane:
     return LightPlane(sheet.name, (n_x, n_y, n_z), sheet.offset_mm + 0.2 * float(e[3]))
 
 
-def _off_mm(truth: Calibration, changed: Calibration) -> float:
+def world_points_off_mm(truth: Calibration, changed: Calibration) -> float:
+    """RMS distance (mm) between the world points of two calibrations, over the working volume of both sheets."""
     squares = [(_volume(truth, row) - _volume(changed, row)) ** 2 for row in range(len(LASER_NAMES))]
     turn_s = 12.0
     latency_mm = 2.0 * np.pi / turn_s * (changed.latency_s - truth.latency_s) * 80.0

@@ -7,8 +7,9 @@ Every scan is on a workshop machine of its own and judged twice: with the true c
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from footscan.workflow.motion_scans import ScanPlan, Visitor, judge_seen, see_sc
 TURN_RAD = np.deg2rad(1.0)
 SHIFTS_MM = (1.0, 3.0)
 CALIBRATION_ERRORS_MM = (0.05, 0.1)
+CALIBRATIONS = ("true", "off")
 SIZES = (0.65, 1.1)
 _TURNING: tuple[Part, ...] = ("foot", "ankle")
 _STEEPEST: dict[Part, tuple[float, float]] = {
@@ -134,6 +136,31 @@ def run_study(
         outcomes.extend(run_case(scanner, case, frames_per_sweep))
         progress(done, len(cases))
     return outcomes
+
+
+def outcome_report(outcome: Outcome) -> dict[str, Any]:
+    """One row of the study's table."""
+    visitor, finding = outcome.case.visitor, outcome.result.finding
+    foot = f"{visitor.side} {visitor.size:.2f}" if visitor.thing == "foot" else Path(visitor.thing).stem
+    return {
+        "seed": outcome.case.seed,
+        "foot": foot,
+        "move": "still" if not visitor.moves else _words(visitor.moves[0]),
+        "zone": outcome.case.zone,
+        "calibration": outcome.calibration,
+        "calibration_error_mm": outcome.calibration_error_mm,
+        "said": outcome.said or "still",
+        "right": outcome.right,
+        "when": None if finding is None else finding.when,
+        "displacement_mm": None if finding is None else finding.displacement_mm,
+        "zones": {zone.zone: asdict(zone) for zone in outcome.result.zones},
+    }
+
+
+def _words(move: Move) -> str:
+    if move.turn_rad:
+        return f"{move.part} {np.degrees(move.turn_rad):+.0f} deg"
+    return f"{move.part} " + " ".join(f"{way:+.1f}" for way in move.shift_mm)
 
 
 def tally(outcomes: list[Outcome], calibration: str) -> Tally:
