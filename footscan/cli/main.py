@@ -14,6 +14,7 @@ from footscan.cli.patients import patients_app
 from footscan.cli.process import process
 from footscan.cli.scan import scan_command, scans_command
 from footscan.cli.simulate import demo, simulate
+from footscan.cli.study import study_app
 from footscan.errors import FootscanError
 
 app = typer.Typer(
@@ -33,6 +34,7 @@ app.command()(simulate)
 app.command()(calibrate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")
+app.add_typer(study_app, name="study")
 app.add_typer(calibration_app, name="calibration")
 app.add_typer(patients_app, name="patients")
 
