@@ -50,7 +50,7 @@ class Interlock:
         self._outputs = ALL_OFF
         self._armed = False
         self._purpose = Purpose.MOVING
-        self._granted_s = 0.0
+        self._granted_s = self._moved_s = 0.0
         self._dangerous_since_s: float | None = None
         self._emergency = False
         self._io.set_outputs(ALL_OFF)
@@ -203,9 +203,11 @@ class Interlock:
 
     def _refuse_idle_beams(self, now_s: float, moving: bool) -> None:
         if not self._outputs.lasers or moving:
+            self._moved_s = now_s
             return
         allowed_s = {Purpose.MOVING: 0.5, Purpose.MEASURING: MEASURING_AT_REST_S, Purpose.HELD: HELD_S}[self._purpose]
-        if now_s - self._granted_s > allowed_s:
+        rests_since_s = self._granted_s if self._purpose is not Purpose.MOVING else max(self._granted_s, self._moved_s)
+        if now_s - rests_since_s > allowed_s:
             raise InterlockError(
                 f"a laser shone on the same place for more than {allowed_s:g} s and is now off; start again."
             )

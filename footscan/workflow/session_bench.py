@@ -98,7 +98,7 @@ def bench_session(rig: Rig, opened: OpenedRig, setup: SessionSetup, frames_per_s
 
 
 def _timed_scan(session: Session, plan: ScanPlan) -> tuple[float, FrameCount]:
-    with tempfile.TemporaryDirectory(prefix="footscan-bench-") as folder:
+    with tempfile.TemporaryDirectory(prefix="footscan-bench-", ignore_cleanup_errors=True) as folder:
         info = RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00", "bench")
         order = ScanOrder(Path(folder), info, plan, countdown_s=0.0)
         ticket = session.post(lambda machine: scan(machine, order))
