@@ -18,12 +18,15 @@ from pathlib import Path
 from random import Random
 
 from footscan.errors import RecordsError
-from footscan.records.drill_ledger import Expected, read_lines
+from footscan.records.drill_ledger import Expected, count_lines, read_lines
 from footscan.records.store import RecordStore
 
 KILLS_PER_FOLDER = 20
-LONGEST_S = 0.7
-"""From the first breath of a writer to its death; making an empty data folder takes about 0.1 s."""
+MOST_LINES, LONGEST_S = 6, 0.25
+"""A writer dies at a random time, up to so many seconds after it wrote a random number of lines of its ledger."""
+EARLY_SHARE = 0.15
+"""This share of the writers dies without having to write a line first: while it opens the records, or soon after."""
+_PATIENCE_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -112,11 +115,21 @@ def _kill_one(nursery: "subprocess.Popen[str]", site: _Site, random: Random) -> 
     nursery.stdin.write(f"{site.data}\t{site.ledger}\t{random.getrandbits(32)}\n")
     nursery.stdin.flush()
     writer = int(nursery.stdout.readline())
+    early = random.random() < EARLY_SHARE
+    _wait_for_lines(site, 0 if early else random.randint(1, MOST_LINES))
     time.sleep(random.uniform(0.0, LONGEST_S))
     os.kill(writer, signal.SIGKILL)  # it is our own and not waited for yet, so the number cannot be another's
     status = int(nursery.stdout.readline())
     if status != -signal.SIGKILL:
         raise RecordsError(f"a writer of the drill ended by itself (status {status}); look at what it printed.")
+
+
+def _wait_for_lines(site: _Site, lines: int) -> None:
+    end = time.monotonic() + _PATIENCE_S
+    while count_lines(site.ledger) < site.lines_read + lines:
+        if time.monotonic() > end:
+            raise RecordsError(f"a writer of the drill stored too little in {site.data} within {_PATIENCE_S:g} s.")
+        time.sleep(0.005)
 
 
 def _inspect(site: _Site) -> tuple[str, bool, list[str]]:

@@ -32,6 +32,7 @@ class Writer:
 
     def run(self) -> None:
         """Until killed."""
+        self._ledger.opened()
         while True:
             action = self._random.choice(_ACTIONS)
             patients, takes = self._known()

@@ -1,6 +1,7 @@
 """Takes: recordings filed with their results, judged, and marked as the one in use."""
 
 import contextlib
+import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import get_args
@@ -24,6 +25,8 @@ from footscan.scanning.recording import MANIFEST
 LOADS: tuple[str, ...] = get_args(Load)
 SURFACES: tuple[str, ...] = get_args(Surface)
 _VERDICTS: tuple[str, ...] = get_args(Verdict)
+QUIET_S = 10.0
+"""A recording without checksums that changed more recently may still be running."""
 _MUST_SAY_WHY: tuple[Verdict, ...] = ("with_remark", "repeat")
 
 
@@ -64,7 +67,8 @@ class TakeRecords(ResultRecords, VisitRecords):
         finished = _check_recording(recording, unfinished)
         scan = self._scan_of(recording)
         with ExitStack() as stack:
-            staged = stack.enter_context(self._vault.staged(recording, link=scan is not None))
+            own = scan is not None and finished
+            staged = stack.enter_context(self._vault.staged(recording, link=own))
             kept = stack.enter_context(self._staged_calibration(calibration))
             made = stack.enter_context(self._staged_result(result, results, kept, link=scan is not None))
             storing = stack.enter_context(self._storing())
@@ -204,16 +208,20 @@ def _check_recording(recording: Path, unfinished: bool) -> bool:
     """Whether a recording was finished.
 
     Raises:
-        InputError: It is no recording, or unfinished and that was not allowed.
+        InputError: It is no recording; it is unfinished and that was not allowed; it is still being written.
     """
     if not (recording / "recording.toml").is_file():
         raise InputError(f"{recording} has no recording.toml, so it is no recording; give the recording's own folder.")
-    finished = (recording / MANIFEST).is_file()
-    if not finished and not unfinished:
+    if (recording / MANIFEST).is_file():
+        return True
+    if not unfinished:
         raise InputError(
             f"{recording} was broken off (it has no {MANIFEST}); scan again, or file what there is with --unfinished."
         )
-    return finished
+    newest = max(path.stat().st_mtime for path in (recording, *recording.rglob("*")))
+    if time.time() - newest < QUIET_S:
+        raise InputError(f"{recording} is still being written; wait until the scan has ended, then repeat.")
+    return False
 
 
 def _refuse_second(session: Session, staged: Staged) -> None:

@@ -49,7 +49,7 @@ class FootFacts:
     Attributes:
         missing: Missing parts, as in `footscan.foot.standing.PARTS`.
         dressings: What covers it and where.
-        deformity: Declared deformity; a declared one is not compared with the norm.
+        deformity: Declared deformity, in words.
         not_scanned: Why this foot was not scanned; empty when it was or will be.
     """
 

@@ -60,9 +60,14 @@ def test_a_broken_off_recording_is_filed_only_on_purpose(store, ana, make_scan, 
     scan = make_scan(1, finished=False)
     with pytest.raises(InputError, match="broken off"):
         store.file_take(ana.id, said, scan / "recording")
+    with pytest.raises(InputError, match="still being written"):
+        store.file_take(ana.id, said, scan / "recording", unfinished=True)
+    for path in (scan / "recording", *(scan / "recording").rglob("*")):
+        os.utime(path, (1.0e9, 1.0e9))
     take = store.file_take(ana.id, said, scan / "recording", unfinished=True)
 
     assert not take.finished
+    assert not (scan / "recording").exists()
 
 
 def test_what_is_no_recording_is_refused(store, ana, said, tmp_path):

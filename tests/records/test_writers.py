@@ -1,8 +1,10 @@
 """Several programs and threads at once: one writes, the others wait or are told."""
 
+import sqlite3
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import pytest
 
@@ -62,3 +64,11 @@ def test_two_namesakes_entered_at_once_are_still_asked_about(store):
         added = list(pool.map(add, range(8)))
 
     assert sorted(map(str, added)) == ["1", *["asked"] * 7]
+
+
+def test_a_database_that_another_program_keeps_locked_is_said(store, ana, data):
+    store.close()
+    with closing(sqlite3.connect(data / "records.sqlite3", isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with RecordStore(data, wait_s=0.1) as again, pytest.raises(RecordsError, match="kept busy by another program"):
+            again.add_patient(NewPatient("Bo"), "op")
