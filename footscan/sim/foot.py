@@ -63,12 +63,14 @@ class FootShape:
         size: 0.45 (a child of two) to 1.2; 1 is about 255 mm long.
         arch: Height of the arch: 0 flat, 1 usual, 1.5 high.
         hallux_valgus_rad: How far the big toe leans to the others.
+        missing_toes: Numbers 1 (big toe) to 5 of amputated toes; the ball ends round where they were.
     """
 
     side: Side = "left"
     size: float = 1.0
     arch: float = 1.0
     hallux_valgus_rad: float = 0.0
+    missing_toes: tuple[int, ...] = ()
 
 
 @lru_cache(maxsize=4)
@@ -106,6 +108,8 @@ def _check(shape: FootShape) -> None:
     if not 0.0 <= shape.hallux_valgus_rad <= 0.5:
         found = np.degrees(shape.hallux_valgus_rad)
         raise InputError(f"the big toe of the built-in foot leans 0 to 28 degrees, found {found:.3g}.")
+    if not set(shape.missing_toes) <= {1, 2, 3, 4, 5}:
+        raise InputError(f"toes have the numbers 1 (big toe) to 5, found {shape.missing_toes}.")
 
 
 def _cones(shape: FootShape) -> tuple[Floats, Floats, Floats]:
@@ -114,9 +118,19 @@ def _cones(shape: FootShape) -> tuple[Floats, Floats, Floats]:
     along = big_toe[4:6] - big_toe[0:2]
     c, s = np.cos(shape.hallux_valgus_rad), np.sin(shape.hallux_valgus_rad)
     big_toe[4:6] = big_toe[0:2] + np.array([c * along[0] + s * along[1], c * along[1] - s * along[0]])
+    toes = _amputated(toes, shape.missing_toes)
     arch = np.array(_ARCH)
     arch[[2, 6]] += 22.0 * (shape.arch - 1.0)
     return body, toes, arch
+
+
+def _amputated(toes: Floats, missing: tuple[int, ...]) -> Floats:
+    """The cones of the toes, those of missing ones drawn back into the ball."""
+    result = toes.copy()
+    for number in missing:
+        stump = result[number - 1]
+        stump[4:8] = stump[:4] + 0.06 * (stump[4:8] - stump[:4])
+    return result
 
 
 def _in_world(foot: Surface, shape: FootShape) -> Surface:

@@ -69,3 +69,17 @@ def test_heel_and_ball_stand_on_the_board():
 def test_impossible_foot_is_refused_with_what_is_allowed(shape: FootShape, words: str):
     with pytest.raises(InputError, match=words):
         build_foot(shape)
+
+
+@pytest.mark.parametrize("missing", [(2,), (1, 2, 3, 4, 5)])
+def test_amputated_toes_leave_a_closed_foot_of_one_piece(missing: tuple[int, ...]):
+    whole, foot = trimesh_from_surface(build_foot()), trimesh_from_surface(build_foot(FootShape(missing_toes=missing)))
+
+    assert foot.is_watertight
+    assert len(foot.split(only_watertight=False)) == 1
+    assert foot.volume < whole.volume - 5_000.0
+
+
+def test_a_sixth_toe_is_refused():
+    with pytest.raises(InputError, match="numbers 1"):
+        build_foot(FootShape(missing_toes=(6,)))
