@@ -108,17 +108,19 @@ class MotionResult:
         evidence: Every comparison's entry per zone.
         finding: None when no judged zone moved.
         calibration_mm: RMS disagreement of the lasers that is the same all the way round and so the calibration's.
+        absent: Zones of which there is hardly any skin at all: a shoelast has no ankle.
     """
 
     zones: tuple[ZoneMotion, ...]
     evidence: tuple[ZoneMotion, ...]
     finding: MotionFinding | None
     calibration_mm: float | None
+    absent: tuple[str, ...] = ()
 
     @property
     def not_judged(self) -> tuple[str, ...]:
-        """Zones without sufficient evidence."""
-        return tuple(zone.zone for zone in self.zones if zone.moved is None)
+        """Zones that are there, but without sufficient evidence."""
+        return tuple(zone.zone for zone in self.zones if zone.moved is None and zone.zone not in self.absent)
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,13 @@ def judge_motion(cloud: Cloud, frames: FrameTable) -> MotionResult:
     rows = [_row(code, item) for item in found for code in range(len(ZONES))]
     zones = tuple(_strongest(zone, rows) for zone in ZONES)
     across = [item.comparison.calibration_mm for item in found if item.kind == "other laser"]
-    return MotionResult(zones, tuple(rows), _finding(zones, found), max(across, default=None))
+    finding, shared_mm = _finding(zones, found), max(across, default=None)
+    return MotionResult(zones, tuple(rows), finding, shared_mm, _absent(cloud))
+
+
+def _absent(cloud: Cloud) -> tuple[str, ...]:
+    count = np.bincount(zone_of_points(cloud.xyz_world), minlength=len(ZONES))
+    return tuple(name for name, points in zip(ZONES, count.tolist(), strict=True) if points < _FEWEST_POINTS)
 
 
 def _evidence(cloud: Cloud, frames: FrameTable) -> Iterator[_Evidence]:
