@@ -72,14 +72,14 @@ class AdamIo:
             self._refuse_closed()
             self._insist_on_off()
             shown, closed = self._words()
-            now_s = time.monotonic()
+            sampled_s = self._line.sampled_s
             if (shown ^ self._bits) & self._used:
                 self._explain(shown)
-            elif now_s - self._status_s > STATUS_EVERY_S:
+            elif sampled_s - self._status_s > STATUS_EVERY_S:
                 self._take_status()
             reset, self._reset_seen = self._reset_seen, False
             return wiring.inputs_from_bits(
-                closed, self._model.inputs, now_s, module_reset=reset, watchdog_tripped=self._tripped
+                closed, self._model.inputs, sampled_s, module_reset=reset, watchdog_tripped=self._tripped
             )
 
     def arm_watchdog(self, timeout_s: float) -> None:

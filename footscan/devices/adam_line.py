@@ -34,7 +34,13 @@ def reply_text(line: bytes, with_checksum: bool) -> str | None:
 
 
 class AdamLine:
-    """One module on a port; every command is repeated once if nothing sensible comes back, for all may be repeated."""
+    """One module on a port; every command is repeated once if nothing sensible comes back, for all may be repeated.
+
+    Attributes:
+        address: Two hexadecimal digits.
+        last_exchange_s: When the last answer came.
+        sampled_s: When the module read its inputs for it: after the command's last byte, before the answer's first.
+    """
 
     def __init__(
         self, port: SerialPort, address: int, with_checksum: bool, reply_timeout_s: float, tries: int = 2
@@ -42,7 +48,7 @@ class AdamLine:
         self._port, self._with_checksum, self._timeout_s, self._tries = port, with_checksum, reply_timeout_s, tries
         self._lines = LineSplitter()
         self.address = f"{address:02X}"
-        self.last_exchange_s = time.monotonic()
+        self.last_exchange_s = self.sampled_s = time.monotonic()
 
     def ask(self, lead: str, rest: str, allowed: str) -> re.Match[str]:
         """Send lead + address + rest; returns the match of the reply with `allowed` (a pattern, AA = the address).
@@ -67,12 +73,16 @@ class AdamLine:
     def _exchange(self, command: str, pattern: "re.Pattern[str]", heard: list[bytes]) -> re.Match[str] | None:
         self._forget_late_answers()
         line = framed(command, self._with_checksum)
+        asked_s = time.monotonic()
         self._port.write(line)
-        end_s = time.monotonic() + self._timeout_s + self._port.wire_s(len(line) + _LONGEST_REPLY_BYTES)
+        end_s = asked_s + self._timeout_s + self._port.wire_s(len(line) + _LONGEST_REPLY_BYTES)
         while (left_s := end_s - time.monotonic()) > 0:
             for answer in self._lines.feed(self._port.read(left_s)):
                 text = reply_text(answer, self._with_checksum)
                 if text is not None and (match := pattern.fullmatch(text)):
+                    heard_s = asked_s + self._port.wire_s(len(line))
+                    answers_s = time.monotonic() - self._port.wire_s(len(answer) + 1)
+                    self.sampled_s = 0.5 * (heard_s + max(answers_s, heard_s))
                     return match
                 self._refuse_invalid(command, text)
                 heard[:] = [*heard[-2:], answer]

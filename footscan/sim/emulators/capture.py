@@ -12,7 +12,7 @@ import numpy as np
 from footscan.coordinates import Frame
 
 FrameAt = Callable[[float], Frame]
-"""The picture exposed at a moment of the monotonic clock, `(h, w)` uint8, as the sensor is mounted."""
+"""The picture exposed at a moment of the monotonic clock, `(h, w)` uint8, as the sensor is mounted; empty: none."""
 
 SELECT_TIMEOUT_S = 1.0
 _GREY = sum(ord(letter) << 8 * place for place, letter in enumerate("GREY"))
@@ -123,6 +123,8 @@ class EmulatedCapture:
     def retrieve(self) -> "tuple[bool, np.ndarray[Any, Any] | None]":
         """The grabbed picture as OpenCV gives it: BGR, or a flat row of bytes without conversion."""
         frame = self._plug.frame_at(self._exposed_s)
+        if frame.size == 0:
+            return False, None
         size = int(self._values[cv2.CAP_PROP_FRAME_WIDTH]), int(self._values[cv2.CAP_PROP_FRAME_HEIGHT])
         if frame.shape[::-1] != size:
             frame = cv2.resize(frame, size)
