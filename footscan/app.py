@@ -1,20 +1,35 @@
 """The only module that chooses real, emulated or simulated devices, by what a rig file says."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from footscan.config import load_calibration, save_calibration
-from footscan.config.device_models import SimulatedCamera, SimulatedEncoder, SimulatedIo, WorldModel
+from footscan.config.device_models import (
+    CameraModels,
+    DevicesModel,
+    EncoderModels,
+    IoModels,
+    SimulatedCamera,
+    SimulatedEncoder,
+    SimulatedIo,
+    WorldModel,
+)
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.devices.clock import Clock, MonotonicClock
+from footscan.devices.drivers import open_camera, open_encoder, open_io
+from footscan.devices.pictures import View
+from footscan.devices.protocols import Camera, DigitalIo, Encoder
+from footscan.devices.v4l2_camera import OpenCapture, open_capture
 from footscan.errors import ConfigError
 from footscan.optics.calibration import Calibration
 from footscan.scanning.session.control import RigDevices, Session, SessionSetup, drive_of
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder
+from footscan.sim.emulators.emulated_rig import EmulatedRig
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
@@ -30,30 +45,72 @@ _HOME_PLAY_RAD = np.deg2rad(0.3)
 
 
 def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
-    """Open all devices of a rig; on a simulated one a foot of that side stands on the board.
+    """Open all devices of a rig; with a simulated world in it, a foot of that side stands on the board.
 
     Raises:
-        ConfigError: A simulated device without a world, or devices that cannot work together.
-        DeviceError: A device is missing or in trouble.
+        ConfigError: A simulated device without a world.
+        DeviceError: A device is missing, is another one, or is in trouble; those already open are given back.
     """
-    devices = rig.devices
-    if not devices.simulated:
-        raise ConfigError(f"{rig.path}: only simulated devices can be opened by this version.")
-    model = _world_model(rig)
-    clock: Clock = MonotonicClock() if model.time == "real" else VirtualClock()
+    model = rig.devices.world
+    if rig.devices.simulated and model is None:
+        raise ConfigError(f"{rig.path}: simulated devices need a table [devices.world] that says what they look at.")
+    clock: Clock = VirtualClock() if model is not None and model.time == "fast" else MonotonicClock()
+    if model is None:
+        with ExitStack() as opening:
+            return OpenedRig(rig, _open_devices(rig, rig.devices, clock, None, open_capture, opening), None, None)
     world = build_world(rig, side, clock)
-    camera, encoder, io = devices.camera, devices.encoder, devices.io
-    if not isinstance(camera, SimulatedCamera) or not isinstance(encoder, SimulatedEncoder):
-        raise ConfigError(f"{rig.path}: a simulated camera needs a simulated encoder, and the other way round.")
-    if not isinstance(io, SimulatedIo):
-        raise ConfigError(f"{rig.path}: simulated devices need a simulated output module.")
-    opened = RigDevices(
-        SimCamera(world, rig.motion.frames_per_s, camera.exposure_s),
-        SimEncoder(world, encoder.samples_per_s),
-        SimDigitalIo(world, 0.5 * rig.motion.switching_s),
-        clock,
-    )
-    return OpenedRig(rig, opened, world, lambda who: world.put(_standing(model, world.machine, who)))
+    with ExitStack() as opening:
+        emulated = EmulatedRig(world, rig.devices, rig.motion.frames_per_s) if rig.devices.emulated else None
+        if emulated is not None:
+            opening.callback(emulated.close)
+        models = rig.devices if emulated is None else emulated.devices
+        opener = open_capture if emulated is None or emulated.camera is None else emulated.open_capture
+        devices = _open_devices(rig, models, clock, world, opener, opening)
+        give_back = (lambda: None) if emulated is None else emulated.close
+        return OpenedRig(
+            rig, devices, world, lambda who: world.put(_standing(model, world.machine, who)), emulated, give_back
+        )
+
+
+def camera_view(rig: Rig) -> View:
+    """What the rig expects of its camera."""
+    camera = rig.scanner.camera
+    return View(camera.width_px, camera.height_px, rig.motion.frames_per_s, camera.image_rotation_deg)
+
+
+def _open_devices(
+    rig: Rig, models: DevicesModel, clock: Clock, world: World | None, opener: OpenCapture, opening: ExitStack
+) -> RigDevices:
+    camera = _open_camera(rig, models.camera, world, opener)
+    opening.callback(camera.close)
+    encoder = _open_encoder(models.encoder, world)
+    opening.callback(encoder.close)
+    io = _open_io(rig, models.io, world)
+    opening.pop_all()  # all are open: from now on their session closes them
+    return RigDevices(camera, encoder, io, clock)
+
+
+def _open_camera(rig: Rig, model: CameraModels, world: World | None, opener: OpenCapture) -> Camera:
+    if not isinstance(model, SimulatedCamera):
+        return open_camera(model, camera_view(rig), opener)
+    assert world is not None
+    camera = SimCamera(world, rig.motion.frames_per_s, model.exposure_s)
+    camera.warm_up()
+    return camera
+
+
+def _open_encoder(model: EncoderModels, world: World | None) -> Encoder:
+    if not isinstance(model, SimulatedEncoder):
+        return open_encoder(model)
+    assert world is not None
+    return SimEncoder(world, model.samples_per_s)
+
+
+def _open_io(rig: Rig, model: IoModels, world: World | None) -> DigitalIo:
+    if not isinstance(model, SimulatedIo):
+        return open_io(model)
+    assert world is not None
+    return SimDigitalIo(world, 0.5 * rig.motion.switching_s)
 
 
 def build_world(rig: Rig, side: Side, clock: Clock) -> World:
@@ -94,7 +151,7 @@ def calibration_in_force(rig: Rig, data: Path) -> tuple[Calibration | None, str]
     path = calibration_path(rig, data)
     if path.is_file():
         return load_calibration(path), f"calibration {path}"
-    if rig.devices.world is not None and rig.devices.simulated:
+    if rig.devices.world is not None:
         return true_machine(rig).calibration, "simulated machine: its true calibration is used until one is made"
     return None, f"no calibration: {path} does not exist"
 

@@ -122,6 +122,7 @@ def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Gen
         raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
     finally:
         session.close()
+        opened.give_back()
         signal.signal(signal.SIGTERM, before)
 
 

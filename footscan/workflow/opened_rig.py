@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.scanning.session.control import RigDevices
+from footscan.sim.emulators.emulated_rig import EmulatedRig
 from footscan.sim.world import World
 
 
@@ -18,9 +19,13 @@ class OpenedRig:
         devices: To be given to a `Session`, which closes them.
         world: What the simulated devices live in; None on a real machine.
         put_on_board: Lets another foot step onto the simulated board; None on a real machine.
+        emulated: Emulators behind ports, if the rig has any.
+        give_back: To be called once the session is closed.
     """
 
     rig: Rig
     devices: RigDevices
     world: World | None
     put_on_board: Callable[[Side], None] | None
+    emulated: EmulatedRig | None = None
+    give_back: Callable[[], None] = lambda: None

@@ -27,6 +27,7 @@ from footscan.scanning.session.machine import Machine, Program
 from footscan.scanning.session.queue_thread import failure_of_thread
 from footscan.scanning.session.states import BUSY, LiveCount, Snapshot, State
 from footscan.scanning.session.timeline import Timeline
+from footscan.scanning.session.warm_up import warm_up
 
 ROUND_S = 0.01
 STUCK_S = 2.0
@@ -116,7 +117,8 @@ class Session:
         self._snapshot = self._take_snapshot()
 
     def start(self) -> None:
-        """Let the threads run."""
+        """Let the threads run. Before that, compile what they need: it would hold the control thread up."""
+        warm_up(self.facts.width_px, self.facts.height_px, self.setup.tables)
         self.clock.join()
         for thread in self._helpers():
             thread.start()
