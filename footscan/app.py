@@ -72,6 +72,15 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
         )
 
 
+def emulators(rig: Rig) -> EmulatedRig:
+    """The emulators of a rig alone, switched on: whoever looks at them opens their ports.
+
+    Raises:
+        ConfigError: The rig has no world they could live in.
+    """
+    return EmulatedRig(build_world(rig, "left", MonotonicClock()), rig.devices, rig.motion.frames_per_s)
+
+
 def camera_view(rig: Rig) -> View:
     """What the rig expects of its camera."""
     camera = rig.scanner.camera

@@ -8,6 +8,8 @@ import typer
 
 from footscan.cli.bench import bench_app
 from footscan.cli.calibrate import calibrate, calibration_app
+from footscan.cli.doctor import doctor
+from footscan.cli.drill import drill_app
 from footscan.cli.info import info
 from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
@@ -30,12 +32,14 @@ app.command("measure")(measure_command)
 app.command("section")(section_command)
 app.command("scan")(scan_command)
 app.command("scans")(scans_command)
+app.command()(doctor)
 app.command()(simulate)
 app.command()(calibrate)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")
-app.add_typer(study_app, name="study")
 app.add_typer(calibration_app, name="calibration")
+app.add_typer(drill_app, name="drill")
+app.add_typer(study_app, name="study")
 app.add_typer(patients_app, name="patients")
 
 
