@@ -76,8 +76,8 @@ class AdamLine:
         asked_s = time.monotonic()
         self._port.write(line)
         end_s = asked_s + self._timeout_s + self._port.wire_s(len(line) + _LONGEST_REPLY_BYTES)
-        while (left_s := end_s - time.monotonic()) > 0:
-            for answer in self._lines.feed(self._port.read(left_s)):
+        while data := self._port.read(end_s - time.monotonic()):  # what came while this program slept still counts
+            for answer in self._lines.feed(data):
                 text = reply_text(answer, self._with_checksum)
                 if text is not None and (match := pattern.fullmatch(text)):
                     heard_s = asked_s + self._port.wire_s(len(line))
@@ -86,6 +86,8 @@ class AdamLine:
                     return match
                 self._refuse_invalid(command, text)
                 heard[:] = [*heard[-2:], answer]
+            if time.monotonic() > end_s + self._timeout_s:
+                break
         return None
 
     def _forget_late_answers(self) -> None:

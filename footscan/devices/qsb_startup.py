@@ -97,11 +97,13 @@ class _Dialogue:
     def ask(self, line: bytes, kind: str, register: int) -> QsbReply:
         self._port.write(line)
         end_s = time.monotonic() + _REPLY_S
-        while (left_s := end_s - time.monotonic()) > 0:
-            for heard in self._lines.feed(self._hear(left_s)):
+        while data := self._hear(end_s - time.monotonic()):
+            for heard in self._lines.feed(data):
                 reply = qsb.reply_from_line(heard)
                 if reply is not None and reply.register == register and reply.kind in (kind, "e", "x"):
                     return self._accepted(reply, line)
+            if time.monotonic() > end_s + _REPLY_S:
+                break
         raise self._no_answer(line)
 
     def _hear(self, timeout_s: float) -> bytes:

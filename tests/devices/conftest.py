@@ -55,6 +55,7 @@ IO_TABLE: dict[str, Any] = {
     "kind": "adam",
     "dialect": "adam4055",
     "port": "/dev/nothing",
+    "reply_timeout_s": 0.2,
     "outputs": {"laser_left": 0, "laser_right": 1, "motor_run": 2, "motor_reverse": 3},
     "inputs": {"estop_ok": 0, "home": 1, "button": 2, "inverted": ["home"]},
 }

@@ -43,7 +43,7 @@ class MemoryPort:
             self._waiting += self.spoil(reply)
 
     def read(self, timeout_s: float) -> bytes:
-        self.now_s += 0.0 if self._waiting else timeout_s
+        self.now_s += 0.0 if self._waiting else max(timeout_s, 0.0)
         data, self._waiting = self._waiting, b""
         return data
 
@@ -158,7 +158,9 @@ def spoiled_io(monkeypatch):
     """An I/O driver on a module in this process; time is the port's."""
 
     def make(dialect: str, with_checksum: bool):
-        model = AdamModel.model_validate(IO_TABLE | {"dialect": dialect, "checksum": with_checksum})
+        model = AdamModel.model_validate(
+            IO_TABLE | {"dialect": dialect, "checksum": with_checksum, "reply_timeout_s": 0.06}
+        )
         panel = WiredPanel(model, Inputs(0.0, estop_ok=True, home=False))
         device = AdamEmulator(model.dialect, panel, with_checksum=with_checksum)
         port = MemoryPort(device)
