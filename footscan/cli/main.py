@@ -4,10 +4,11 @@ import os
 import sys
 import traceback
 
+import cv2
 import typer
 
 from footscan.cli.bench import bench_app
-from footscan.cli.calibrate import calibrate, calibration_app
+from footscan.cli.calibrate import accept, board, calibrate, calibration_app
 from footscan.cli.doctor import doctor
 from footscan.cli.drill import drill_app
 from footscan.cli.info import info
@@ -34,7 +35,9 @@ app.command("scan")(scan_command)
 app.command("scans")(scans_command)
 app.command()(doctor)
 app.command()(simulate)
+app.command()(board)
 app.command()(calibrate)
+app.command()(accept)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")
 app.add_typer(calibration_app, name="calibration")
@@ -45,6 +48,7 @@ app.add_typer(patients_app, name="patients")
 
 def run() -> None:
     """Run the command line; exit status 0 done, 2 wrong use or bad input, 3 device trouble, 4 refused by a gate."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # its warnings are told in our own words
     try:
         app()
     except FootscanError as err:
