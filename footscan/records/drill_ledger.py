@@ -8,6 +8,7 @@ from typing import Any
 
 from footscan.errors import InputError
 from footscan.records.store import RecordStore
+from footscan.records.tree_hash import hash_of_folder
 from footscan.records.values import Take
 
 
@@ -90,8 +91,18 @@ class Expected:
         self._adopt(store, kept)
         for number, facts in self.takes.items():
             found += self._problems_of_take(store, number, facts)
+        found += self._lost_scan()
         self.begun = None
         return found
+
+    def _lost_scan(self) -> list[str]:
+        """A scan that was being filed is either a take by now, or still where it was."""
+        sha256, recording = self._target("file", "sha256"), self._target("file", "recording")
+        if sha256 is None or sha256 in {take["sha256"] for take in self.takes.values()}:
+            return []
+        place = Path(recording)
+        kept = place.is_dir() and hash_of_folder(place) == sha256
+        return [] if kept else [f"the scan {place} is neither filed nor still there"]
 
     def _adopt(self, store: RecordStore, kept: dict[int, str]) -> None:
         """What happened though the writer was killed before it heard so: from now on it must stay."""

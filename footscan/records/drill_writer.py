@@ -15,6 +15,7 @@ from footscan.records.data_folder import SCANS
 from footscan.records.drill_ledger import Ledger
 from footscan.records.results import CALIBRATION
 from footscan.records.store import RecordStore
+from footscan.records.tree_hash import hash_of_folder
 from footscan.records.values import Correction, Measured, NewPatient, NewResult, NewTake, Take
 from footscan.scanning.recorder import manifest_of
 from footscan.scanning.recording import MANIFEST
@@ -71,7 +72,8 @@ class Writer:
         if made:
             self._make_results(scan / "results")
             _write(scan / CALIBRATION, b"drill = true\n")
-        self._ledger.begin("file", patient=patient)
+        sha256 = hash_of_folder(scan / "recording")
+        self._ledger.begin("file", patient=patient, sha256=sha256, recording=str(scan / "recording"))
         take = self._store.file_take(
             patient,
             said,

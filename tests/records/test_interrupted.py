@@ -93,6 +93,23 @@ def expected_after(store, ana, take):
     return expected
 
 
+def test_the_drill_sees_a_scan_that_was_given_up_too_early(store, ana, make_scan, said):
+    scan = make_scan(1)
+    sha256, recording = hash_of_folder(scan / "recording"), str(scan / "recording")
+    begun = {"state": "begin", "action": "file", "patient": ana.id, "sha256": sha256, "recording": recording}
+
+    def problems():
+        expected = Expected()
+        expected.read([begun])
+        return expected.problems(store)
+
+    assert problems() == []
+    store.file_take(ana.id, said, scan / "recording")
+    assert problems() == []
+    store.delete_patient(ana.id, "test", "op")
+    assert problems() == [f"the scan {recording} is neither filed nor still there"]
+
+
 def test_the_drill_sees_what_is_gone(store, ana, bo, file_scan):
     take = file_scan(ana)
 
