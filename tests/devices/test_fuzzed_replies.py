@@ -8,11 +8,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from footscan.config.device_models import FileCameraModel, QsbModel
 from footscan.config.io_models import AdamModel
 from footscan.devices import qsb_protocol as qsb
 from footscan.devices.adam_io import AdamIo
 from footscan.devices.adam_line import checksum, reply_text
+from footscan.devices.pictures import View, frame_from_picture
 from footscan.devices.qsb_encoder import QsbEncoder
+from footscan.devices.qsb_startup import start_streaming
 from footscan.devices.qsb_stream import QsbStream
 from footscan.devices.serial_port import LineSplitter
 from footscan.devices.values import ALL_OFF, Inputs, Outputs
@@ -207,6 +210,34 @@ def _end(module: AdamIo, port: MemoryPort, device: AdamEmulator) -> None:
     except OutputsLostError:
         port.now_s += 0.3
         device.act(port.now_s)
+
+
+def test_spoiled_start_ups_of_an_encoder_end_in_time_with_a_device_error_or_a_stream(monkeypatch):
+    random = np.random.default_rng(8)
+    model = QsbModel(kind="qsb", port="emulated")
+    started = 0
+    for _ in range(150):
+        port = MemoryPort(QsbEmulator(lambda time_s: 0, 0.0), _spoiler(random, 0.5 * random.random() ** 2))
+        monkeypatch.setattr("footscan.devices.qsb_startup.time.monotonic", lambda port=port: port.now_s)
+        with contextlib.suppress(DeviceError):
+            started += start_streaming(port, model).serial_number == 1234
+
+        assert port.now_s < 20.0
+    assert 20 < started < 150
+
+
+@given(
+    st.lists(st.integers(0, 70), min_size=1, max_size=4).filter(lambda shape: np.prod(shape) < 300_000),
+    st.sampled_from([np.uint8, np.uint16, np.float32]),
+    st.sampled_from(["both", "top", "bottom"]),
+)
+@many
+def test_any_array_from_a_camera_is_a_frame_or_a_value_error(shape, dtype, field):
+    model, view = FileCameraModel(kind="file", path="x", field=field), View(8, 6, 25.0)
+    with contextlib.suppress(ValueError):
+        frame = frame_from_picture(np.zeros(shape, dtype), model, view)
+
+        assert (frame.shape, frame.dtype) == ((6, 8), np.uint8)
 
 
 @given(st.lists(words, min_size=1, max_size=6))

@@ -187,6 +187,7 @@ def test_a_machine_in_another_process_is_driven_through_its_folder(drive, served
     assert off["off_since_s"] is not None  # nobody fed the module meanwhile
     with pytest.raises(ValueError, match="explode"):
         ask(served, "explode")
+    assert "error" not in ask(served, "end")
 
 
 def test_a_camera_that_nobody_serves_is_not_there(tmp_path: Path, rig: Rig):

@@ -56,8 +56,8 @@ class EmulatedRig:
         """
         self._world, self._links = world, links
         self._lines: dict[str, PtyLine] = {}
-        self.camera = self._plug_camera(devices.camera, frames_per_s)
         self.encoder = self._plug_encoder(devices.encoder)
+        self.camera = self._plug_camera(devices.camera, frames_per_s)
         self.io = self._plug_io(devices.io)
         ports = {name: {"port": line.port} for name, line in self._lines.items()}
         parts = {name: getattr(devices, name).model_copy(update=port) for name, port in ports.items()}
@@ -136,6 +136,8 @@ class EmulatedRig:
         latency_s, numbers = self._world.machine.calibration.latency_s, itertools.count()
 
         def frame_at(stamp_s: float) -> Frame:
+            if self.encoder is not None:
+                self.encoder.trigger(stamp_s - latency_s)  # the strobe; heeded only where `frame_trigger` is set
             upright = eye.expose(stamp_s - latency_s, next(numbers)).repeat(model.rows_per_row, axis=0)
             return upright[::-1, ::-1] if camera.image_rotation_deg == 180 else upright
 

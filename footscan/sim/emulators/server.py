@@ -89,6 +89,8 @@ class EmulatorServer:
             for line in lines:
                 lines.write(json.dumps(self._obeyed(line.split())) + "\n")
                 lines.flush()
+                if line.split() == ["end"]:
+                    self._ending.set()
 
     def _obeyed(self, words: list[str]) -> dict[str, Any]:
         match words:
@@ -96,9 +98,7 @@ class EmulatorServer:
                 self._rig.inject(fault)
             case ["mend"]:
                 self._rig.mend()
-            case ["end"]:
-                self._ending.set()
-            case ["state"]:
+            case ["state"] | ["end"]:
                 pass
             case _:
                 return {"error": f"{' '.join(words)!r} is none of state, mend, end, inject {'|'.join(FAULTS)}"}
