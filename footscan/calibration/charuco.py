@@ -29,7 +29,7 @@ class BoardFinder:
     """Finds one kind of board; holds OpenCV's detector, so one per thread."""
 
     def __init__(self, board: Board) -> None:
-        marks = cv2.aruco.getPredefinedDictionary(_dictionary_number(board))
+        marks = cv2.aruco.getPredefinedDictionary(dictionary_number(board))
         size = (board.squares_x, board.squares_y)
         grid = cv2.aruco.CharucoBoard(size, board.square_mm, board.marker_mm, marks)
         self._detector = cv2.aruco.CharucoDetector(grid)
@@ -50,7 +50,12 @@ class BoardFinder:
         return 0 if numbers is None else len(numbers)
 
 
-def _dictionary_number(board: Board) -> int:
+def dictionary_number(board: Board) -> int:
+    """OpenCV's number of the board's dictionary.
+
+    Raises:
+        ConfigError: OpenCV knows no such dictionary.
+    """
     number = getattr(cv2.aruco, board.dictionary, None)
     if not isinstance(number, int):
         raise ConfigError(f'board.toml: key "dictionary" is {board.dictionary!r}, which OpenCV does not know.')

@@ -28,7 +28,7 @@ _SURE = 5.0
 _MOVED_MM = 0.15
 _TOLERANCE_PX = 0.5
 _HELPS = 0.5
-_FREE_LENS = tuple(name for name in CORNERS_ONLY.machine if not name.startswith("principal"))
+_FREE_LENS = tuple(name for name in CORNERS_ONLY.machine if not name.startswith(("principal", "latency")))
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,9 @@ class PictureJumps:
 
 
 def picture_jumps(intake: Intake, corners_fit: Fit) -> tuple[PictureJumps, Fit]:
-    """Let the picture sit elsewhere on the sensor in every placement; returns the jumps and the fit."""
-    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    """Let the picture sit elsewhere on the sensor in every placement, at the stops; returns the jumps and the fit."""
+    at_stops = intake.corners.kept(~intake.corners.moving)
+    sightings = Sightings(intake.times, at_stops, NO_STRIPES, intake.placement_names)
     free = fit_estimate(corners_fit.estimate, sightings, Unknowns(_FREE_LENS, POSE + LENS))
     names, spread = free.unknowns.names(free.estimate.placements), free.spread()
     jump = np.diff(free.estimate.doubts[:, len(SHAPE) :], axis=0)
@@ -158,8 +159,8 @@ def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> str:
 
 
 def _misfit_px(fit: Fit) -> float:
-    """RMS of all corners, each counted up to 3 px."""
-    residual = np.minimum(np.abs(np.nan_to_num(fit.residual_px[fit.rows.laser < 0], nan=3.0)), 3.0)
+    """RMS of all corners at stops, each counted up to 3 px."""
+    residual = np.minimum(np.abs(np.nan_to_num(fit.residual_px[fit.rows.group == 0], nan=3.0)), 3.0)
     return float(np.sqrt(np.mean(residual**2)))
 
 

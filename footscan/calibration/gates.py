@@ -113,8 +113,8 @@ def corner_gates(fit: Fit, names: tuple[str, ...], limits: Limits = LIMITS) -> l
 
 
 def placement_corners(fit: Fit, placement: int) -> tuple[float, float]:
-    """RMS (px, each residual counted up to 3 px) and share of rejected corners of one placement."""
-    own = (fit.rows.placement == placement) & (fit.rows.laser < 0)
+    """RMS (px, each residual counted up to 3 px) and share of rejected corners of one placement at its stops."""
+    own = (fit.rows.placement == placement) & (fit.rows.group == 0)
     if not np.any(own):
         return np.inf, 1.0
     residual = np.minimum(np.abs(np.nan_to_num(fit.residual_px[own], nan=3.0)), 3.0)

@@ -6,12 +6,15 @@ from typing import Annotated, Any
 
 import typer
 
+from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
 from footscan.calibration.joint import Choices
 from footscan.calibration.quality import quality_lines
 from footscan.cli.console import STDOUT, print_json, progress_bar
-from footscan.config import load_calibration, load_calibration_record
-from footscan.errors import InputError
+from footscan.config import Board, board_toml, load_calibration, load_calibration_record
+from footscan.config.toml_file import write_whole
+from footscan.errors import InputError, QualityError
 from footscan.records.data_folder import data_folder
+from footscan.workflow.accept import accept_recording, save_acceptance, summary_lines
 from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
 from footscan.workflow.calibration_log import in_force_path, machines, read_log, reminders, zone_trends
 
@@ -55,6 +58,55 @@ def calibrate(
     STDOUT.print(f"Calibration in {out}, its tables in {tables_path(out).name} ({sum(result.seconds.values()):.1f} s)")
     if kept is not None:
         STDOUT.print(f"In force: {in_force_path(kept, result.calibration.machine_id or result.calibration.scanner)}")
+
+
+def board(
+    out: Annotated[Path, typer.Option(help="PDF to write; board.toml goes beside it.")],
+    squares_x: Annotated[int, typer.Option(help="Squares in a row.", min=3, max=50)] = DEFAULT_BOARD.squares_x,
+    squares_y: Annotated[int, typer.Option(help="Squares in a column.", min=3, max=50)] = DEFAULT_BOARD.squares_y,
+    square: Annotated[float, typer.Option(help="Side of a square, mm.", min=5, max=200)] = DEFAULT_BOARD.square_mm,
+    marker: Annotated[float, typer.Option(help="Side of a marker, mm.", min=3, max=180)] = DEFAULT_BOARD.marker_mm,
+    dictionary: Annotated[str, typer.Option(help="OpenCV's dictionary of markers.")] = DEFAULT_BOARD.dictionary,
+    measured_x: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a row.")] = None,
+    measured_y: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a column.")] = None,
+) -> None:
+    """Print a calibration board at 1:1 with rulers, and write its board.toml; measured lengths go in there too."""
+    if marker >= square:
+        raise InputError(f"a marker ({marker:g} mm) must be smaller than its square ({square:g} mm).")
+    made = Board(squares_x, squares_y, square, marker, dictionary, measured_x, measured_y)
+    toml = out.with_name("board.toml")
+    write_whole(out, draw_board(made))
+    write_whole(toml, board_toml(made))
+    page, _, _ = page_of(made)
+    STDOUT.print(f"{out}: print it on {page} landscape at 100 % (no fitting to the page); {toml} describes it.")
+    if not made.measured:
+        STDOUT.print(
+            f"Then measure over all {squares_x} squares of a row ({squares_x * square:g} mm wanted) and all "
+            f"{squares_y} of a column ({squares_y * square:g} mm wanted), without the white edge, and run this again "
+            "with --measured-x and --measured-y: the scale of everything rests on it."
+        )
+
+
+def accept(
+    recording: Annotated[Path, typer.Argument(help="Folder of a scan recording of a test body.")],
+    calibration: Annotated[Path, typer.Option(help="calibration.toml of the machine.")],
+    out: Annotated[Path | None, typer.Option(help="Folder for acceptance.json and the one-page PDF.")] = None,
+    artefact: Annotated[Path | None, typer.Option(help="artefact.toml; default: the one in the recording.")] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print acceptance.json and nothing else.")] = False,
+) -> None:
+    """Acceptance figures on a sphere, ball bar or plane of known size; exit status 4 when a limit is broken."""
+    machine = load_calibration(calibration)
+    with progress_bar("frames", quiet=json_only) as progress:
+        result = accept_recording(recording, machine, artefact, progress=progress)
+    if json_only:
+        print_json(result.report)
+    else:
+        for line in summary_lines(result):
+            STDOUT.print(line)
+    if out is not None:
+        save_acceptance(result, out)
+    elif result.broken:
+        raise QualityError(f"not accepted ({result.of_what}): {'; '.join(result.broken)}.")
 
 
 @calibration_app.command("history")
