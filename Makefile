@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: run test check format lint types bench clean
+.PHONY: run test check format lint types bench drill clean
 
 run: $(STAMP)
 	$(BIN)/footscan demo --out out/demo
@@ -31,6 +31,12 @@ bench: $(STAMP)
 	$(BIN)/footscan bench tables
 	$(BIN)/footscan bench process
 	$(BIN)/footscan bench foot
+	$(BIN)/footscan bench session
+
+drill: $(STAMP)
+	$(BIN)/footscan drill --rounds 3
+	$(BIN)/footscan drill records
+	$(BIN)/footscan study motion --scans 40
 
 clean:
 	rm -rf $(VENV) out

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT
+from footscan.cli.drill_records import drill_records_command
 from footscan.cli.scan import RigOption, chosen_rig
 from footscan.errors import ConfigError, QualityError
 from footscan.scanning.session.control import SessionSetup
@@ -16,6 +17,7 @@ from footscan.workflow.drill import CASES, TARGET_S, Drill, DrillResult
 from footscan.workflow.process import build_tables
 
 drill_app = typer.Typer(help="Break things on purpose: when do the outputs fall, what is told, what is kept?")
+drill_app.command("records")(drill_records_command)
 
 
 @drill_app.callback(invoke_without_command=True)
@@ -33,7 +35,7 @@ def drill(
     if unknown:
         raise typer.BadParameter(f"{unknown[0]!r} is no case; there are {', '.join(CASES)}.")
     results = [result for number in range(rounds) for result in _round(rig, seed + number, tuple(case or CASES))]
-    STDOUT.print(_table(results))
+    STDOUT.print(_table(results), width=None if STDOUT.is_terminal else 200)
     bad = [result.case for result in results if not result.well]
     STDOUT.print(f"{len(results) - len(bad)} of {len(results)} well: off within {TARGET_S:g} s, told, nothing lost")
     if bad:
