@@ -33,6 +33,7 @@ from footscan.sim.emulators.emulated_rig import EmulatedRig
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
+from footscan.sim.obstacles import build_obstacle
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
 from footscan.sim.standing import Standing
 from footscan.sim.world import World, WorldSettings
@@ -197,7 +198,8 @@ def _world_model(rig: Rig) -> WorldModel:
 
 def _standing(model: WorldModel, machine: TrueMachine, side: Side) -> Standing:
     body = build_object(model.object, model.unit, side, model.size)
-    return Standing(body, machine, _PERSONS[model.person], seed=model.seed or 0)
+    beside = tuple(part.surface for name in model.obstacles for part in build_obstacle(name, body, side))
+    return Standing(body, machine, _PERSONS[model.person], model.seed or 0, beside)
 
 
 def _switch_off_rad(model: WorldModel) -> float:

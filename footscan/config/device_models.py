@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from footscan.config.io_models import AdamModel
 from footscan.config.port_name import EMULATED, PortName, refuse_relative
-from footscan.config.toml_file import Strict
+from footscan.config.toml_file import Strict, tuple_from_list
 
 QSB_LINE_BYTES = 21
 """Of one streamed sample in the QSB's shortest form with a time stamp."""
@@ -152,6 +152,9 @@ class WorldModel(Strict):
     seed: int | None = Field(default=1, ge=0)
     person: Literal["statue", "calm", "restless"] = "calm"
     time: Literal["real", "fast"] = "real"
+    obstacles: Annotated[
+        tuple[Literal["idle-leg", "handhold", "trouser-hem"], ...], BeforeValidator(tuple_from_list)
+    ] = ()
     mirror: str | None = None
 
 

@@ -11,6 +11,7 @@ from footscan.scanning.point_file import save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report, scan_verdict
+from footscan.workflow.texture import save_texture
 from footscan.workflow.verdict import verdict_lines, verdict_report
 
 FOOT_FILES = (
@@ -21,6 +22,7 @@ FOOT_FILES = (
     "report.png",
     "sections.csv",
     "sections.dxf",
+    "texture.ply",
 )
 LEAST_SEEN, USUALLY_SEEN = 0.1, 0.4
 RESULT_FILES = ("points.ply", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
@@ -91,4 +93,6 @@ def _add_foot(
         report["remarks"].append(f"only {seen:.0%} of the skin was seen, usual are 60 %: take more frames per turn")
     with stages.stage("surface files and report.png"):
         save_foot(foot, folder, result.recording.folder.name, verdict_lines(verdict, result.motion))
+    with stages.stage("texture"):
+        report["foot"]["texture"] = save_texture(result, foot.mesh, folder / "texture.ply")
     return None
