@@ -38,9 +38,17 @@ OpenCapture = Callable[[str], Capture]
 
 
 def open_capture(path: str) -> Capture:
-    """A V4L2 device by path. OpenCV waits for a frame for 10 s unless told otherwise before its first use."""
+    """A V4L2 device by path. OpenCV waits for a frame for 10 s unless told otherwise before its first use.
+
+    Its own warnings about devices that do not open are left out: the driver says it in a sentence.
+    """
     os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", _SELECT_TIMEOUT_S)
-    return cv2.VideoCapture(path, cv2.CAP_V4L2)  # pyright: ignore[reportReturnType]
+    log = cv2.utils.logging
+    level = log.setLogLevel(log.LOG_LEVEL_ERROR)
+    try:
+        return cv2.VideoCapture(path, cv2.CAP_V4L2)  # pyright: ignore[reportReturnType]
+    finally:
+        log.setLogLevel(level)
 
 
 def open_v4l2_camera(model: V4l2CameraModel, view: View, opener: OpenCapture = open_capture) -> GrabbingCamera:

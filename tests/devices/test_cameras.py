@@ -53,12 +53,6 @@ class TestV4l2Unplugged(_EmulatedV4l2):
         return plug.unplug
 
 
-class TestV4l2Frozen(_EmulatedV4l2):
-    @pytest.fixture
-    def silence(self, plug):
-        return plug.frozen.set
-
-
 class TestV4l2WithAClockOfItsOwn(_EmulatedV4l2):
     @pytest.fixture
     def plug(self) -> EmulatedCameraPlug:

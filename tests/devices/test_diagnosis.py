@@ -14,6 +14,12 @@ from footscan.sim.emulators.capture import Abilities, EmulatedCameraPlug
 from tests.devices.conftest import IO_TABLE
 
 
+@pytest.fixture(autouse=True)
+def fewer_probes(monkeypatch):
+    monkeypatch.setattr("footscan.devices.probing.BAUDS", (115200, 9600, 230400))
+    monkeypatch.setattr("footscan.devices.probing._ADDRESSES", tuple(range(6)))
+
+
 def words(findings: list[Finding], grade: str) -> str:
     return " | ".join(finding.sentence for finding in findings if finding.grade == grade)
 

@@ -39,12 +39,6 @@ class TestQsbThatFallsSilent(_EmulatedQsb):
         return mute
 
 
-class TestQsbUnplugged(_EmulatedQsb):
-    @pytest.fixture
-    def silence(self, qsb):
-        return qsb.line.unplug
-
-
 class TestQsbOnASlowLine(_EmulatedQsb):
     @pytest.fixture
     def qsb(self, plug_qsb):
@@ -55,10 +49,15 @@ class TestQsbOnASlowLine(_EmulatedQsb):
         return {"interval_ticks": 12}
 
 
-class TestQsbBehindABridgeOf16Ms(_EmulatedQsb):
-    @pytest.fixture
-    def qsb(self, plug_qsb):
-        return plug_qsb(bridge_s=0.016)
+def test_an_unplugged_encoder_is_gone_at_once_and_for_good(qsb):
+    encoder = QsbEncoder(qsb.model())
+    qsb.line.unplug()
+    time.sleep(0.1)
+
+    for call in (encoder.read, encoder.take_samples):
+        with pytest.raises(EncoderLostError, match="is gone"):
+            call()
+    encoder.close()
 
 
 def test_the_factory_setting_that_wraps_at_500_is_gone(qsb):
