@@ -33,8 +33,10 @@ class Measurement:
         unit: mm, deg, cm3, cm2, or 1 for a ratio.
         reliable: Whether the measuring can be relied on; it says nothing about the foot.
         reason: Why not, or a note; may be empty.
-        interval: For girths: hull of the seen points alone ... hull with walls down to the board.
+        interval: For girths: hull of the seen points alone ... hull with walls down to the board; for volume and
+            surface the same bounds of the sole (`sole_bounds`).
         unusual: A remark against a named norm, None when there is none. It hides and blocks nothing.
+        tape: For girths: where the tape runs.
     """
 
     value: float | None
@@ -43,6 +45,15 @@ class Measurement:
     reason: str
     interval: tuple[float, float] | None = None
     unusual: str | None = None
+    tape: "TapePlane | None" = None
+
+
+@dataclass(frozen=True)
+class TapePlane:
+    """The plane of a tape: a point `(3,)` of it and its unit normal `(3,)`, in the input's own coordinates (mm)."""
+
+    origin: Floats
+    normal: Floats
 
 
 @dataclass(frozen=True)
@@ -195,7 +206,14 @@ def _measured(
     doubts = list(dict.fromkeys([*doubts, *reading.doubts]))
     notes = [ORIGIN_UNKNOWN] if reading.interval is not None and foot.shell.origin is None else []
     unusual = unusual_remark(entry.name, reading.value, foot.alignment.length_mm, norm)
-    return Measurement(reading.value, entry.unit, not doubts, "; ".join([*doubts, *notes]), reading.interval, unusual)
+    tape = None if reading.tape is None else _placed_tape(*reading.tape, foot.alignment.foot_from_input)
+    reason = "; ".join([*doubts, *notes])
+    return Measurement(reading.value, entry.unit, not doubts, reason, reading.interval, unusual, tape)
+
+
+def _placed_tape(origin: Floats, normal: Floats, foot_from_input: Floats) -> TapePlane:
+    turn = foot_from_input[:3, :3].T
+    return TapePlane(turn @ (origin - foot_from_input[:3, 3]), turn @ normal)
 
 
 def _doubts(mark: Landmark, *, exempt: bool) -> list[str]:

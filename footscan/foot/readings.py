@@ -16,6 +16,7 @@ from footscan.foot.landmarks import Landmark, Landmarks
 from footscan.foot.sections import tape_girth_mm
 from footscan.foot.shell import NEVER_SEEN_BELOW_MM, area_mm2, volume_mm3
 from footscan.foot.skin_origin import Origin
+from footscan.foot.sole_bounds import area_interval_mm2, volume_interval_mm3
 from footscan.foot.standing import TOP_MARGIN_SHARE, VOLUME_HEIGHT_SHARE, StandingFoot
 
 ANKLE_BAND = (0.30, 0.51)
@@ -34,11 +35,13 @@ _X, _Y, _Z = np.eye(3)
 
 @dataclass(frozen=True)
 class Reading:
-    """What a rule gives: a value in the entry's unit, for girths an interval, and doubts about the measuring."""
+    """What a rule gives: a value in the entry's unit, an interval where the value rests on the assumed sole, doubts
+    about the measuring, and for girths the plane of the tape (a point and the unit normal, `(3,)` each)."""
 
     value: float
     interval: tuple[float, float] | None = None
     doubts: tuple[str, ...] = ()
+    tape: tuple[Floats, Floats] | None = None
 
 
 Missing = str
@@ -93,10 +96,11 @@ def _between(first: Landmark, second: Landmark) -> Floats:
 
 
 def _taped(foot: StandingFoot, origin: Floats, normal: Floats, doubts: tuple[str, ...] = ()) -> Reading | Missing:
-    girth = measure_girth(foot.shell, foot.length_mm, origin, normal / np.linalg.norm(normal))
+    unit = normal / np.linalg.norm(normal)
+    girth = measure_girth(foot.shell, foot.length_mm, origin, unit)
     if girth is None:
         return "not applicable: the foot does not reach that far"
-    return Reading(girth.value_mm, girth.interval_mm, doubts + _girth_doubts(foot, girth))
+    return Reading(girth.value_mm, girth.interval_mm, doubts + _girth_doubts(foot, girth), (origin, unit))
 
 
 def _girth_doubts(foot: StandingFoot, girth: Girth) -> tuple[str, ...]:
@@ -191,7 +195,8 @@ def volume_to_cut(foot: StandingFoot, _: Landmarks) -> Reading:
     height = VOLUME_HEIGHT_SHARE * foot.length_mm
     open_shell = cut_below(foot.shell, height, cap=False)
     inside = volume_mm3(open_shell, min(height, foot.top_mm) * _Z)
-    return Reading(inside / 1000.0, None, _counted(foot, height))
+    low, high = volume_interval_mm3(open_shell, min(height, foot.top_mm), inside)
+    return Reading(inside / 1000.0, (low / 1000.0, high / 1000.0), _counted(foot, height))
 
 
 def surface_to_cut(foot: StandingFoot, _: Landmarks) -> Reading:
@@ -206,7 +211,8 @@ def surface_to_cut(foot: StandingFoot, _: Landmarks) -> Reading:
         share = float((area * unseen)[upper].sum() / area[upper].sum())
         if share > UNSEEN_LIMIT:
             doubts += (f"not seen: {share:.0%} of the skin above the sole's edge",)
-    return Reading(float(area.sum()) / 100.0, None, doubts)
+    low, high = area_interval_mm2(open_shell, float(area.sum()))
+    return Reading(float(area.sum()) / 100.0, (low / 100.0, high / 100.0), doubts)
 
 
 def _counted(foot: StandingFoot, height_mm: float) -> tuple[str, ...]:

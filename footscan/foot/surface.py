@@ -40,7 +40,7 @@ class SurfaceSettings:
 
     count_u: int = 180
     spans_v: int = 70
-    stiffness: float = 0.006
+    stiffness: float = 0.002
     tolerance_mm: float = 0.25
     passes: int = 2
     needed_share: float = 0.9

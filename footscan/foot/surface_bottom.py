@@ -36,7 +36,7 @@ class AssumedSkin:
 
 
 def lowest_seen_v(u: Floats, v: Floats, columns: int) -> Floats:
-    """Parameters v `(columns,)` of the lowest seen skin at equally spaced u, steadied around the foot."""
+    """Parameters v `(columns,)` of the lowest seen skin in columns of equal width in u, steadied around the foot."""
     which = np.floor(u * columns).astype(np.int64) % columns
     order = np.lexsort((v, which))
     starts = np.searchsorted(which[order], np.arange(columns + 1))
@@ -57,7 +57,7 @@ def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rul
         axis: The chart's axis, towards which the sole lies.
         rule: The closure.
     """
-    columns = np.arange(_COLUMNS) / _COLUMNS
+    columns = (np.arange(_COLUMNS) + 0.5) / _COLUMNS
     lowest = np.maximum(lowest_seen_v(u, v, _COLUMNS), 1e-3)
     ring = evaluate_at(tube, columns, lowest).xyz_mm
     ring[:, 2] = np.maximum(ring[:, 2], 0.5)

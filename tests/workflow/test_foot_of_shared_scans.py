@@ -6,32 +6,32 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import KDTree
 
 from footscan.config import load_calibration
 from footscan.foot.measurements import Measurements, measure
+from footscan.foot.shell import shell_from_mesh
 from footscan.foot.skin_origin import Origin
 from footscan.geometry.nearest import PointTree
 from footscan.scanning.recording import open_recording
 from footscan.workflow.foot import MeasuredFoot, measure_scan
+from footscan.workflow.foot_truth import compare_seen_tape
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
 
 NAMES = ("foot-left-ideal", "foot-right-workshop")
-# Values whose error on these two feet is explained in docs/decisions/0010: beyond the target of 0.2 or 0.5 mm.
+# Values beyond the target of 0.2 mm on one of these two feet; docs/decisions/0010 says why.
 KNOWN_MM = {
-    "foot_length": 0.40,
-    "overall_length": 0.40,
-    "overall_breadth": 0.65,
-    "foot_length_a1": 0.40,
-    "malleolus_medialis_height": 0.70,
-    "malleolus_lateralis_height": 0.30,
-    "foot_breadth": 0.25,
-    "foot_breadth_diagonal": 0.30,
-    "ball_length": 0.45,
-    "outside_ball_length": 0.30,
-    "ball_height": 0.30,
-    "midfoot_breadth": 0.45,
+    "foot_length": 0.36,
+    "overall_length": 0.36,
+    "overall_breadth": 0.25,
+    "foot_length_a1": 0.25,
+    "malleolus_medialis_height": 0.50,
+    "malleolus_lateralis_height": 0.22,
+    "ball_length": 0.35,
 }
+# Tape over seen skin; the true leg of these feet is a prism with edges above 98 mm, which a scan rounds off.
+SEEN_TAPE_MM = {"ankle_girth": 0.75}
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,59 @@ def test_unseen_skin_is_never_called_seen(compared):
 def test_measurements_are_those_of_the_true_foot(compared):
     for name, value in compared.foot.measurements.measurements.items():
         true = compared.true_measurements[name]
-        if value.value is None or true.value is None or value.unit != "mm":
+        if value.value is None or true.value is None:
             continue
         if value.interval is not None:
             assert value.interval[0] <= true.value <= value.interval[1], name
-        else:
+        elif value.unit == "mm":
             assert value.value == pytest.approx(true.value, abs=KNOWN_MM.get(name, 0.2)), name
+
+
+def test_girths_are_exact_on_the_skin_that_was_seen(compared):
+    scanned, true = shell_from_mesh(compared.foot.mesh), shell_from_mesh(compared.truth)
+    tapes = {
+        name: value.tape for name, value in compared.foot.measurements.measurements.items() if value.tape is not None
+    }
+
+    assert len(tapes) == 6
+    for name, tape in tapes.items():
+        seen = compare_seen_tape(scanned, true, tape)
+        assert seen.true_mm > 0.4 * seen.whole_mm, name
+        assert seen.scanned_mm == pytest.approx(seen.true_mm, abs=SEEN_TAPE_MM.get(name, 0.5)), name
+
+
+def test_the_skin_crosses_itself_nowhere_at_the_toes(compared):
+    mesh = compared.foot.mesh
+    middles = np.asarray(mesh.triangles_center) @ compared.foot.measurements.foot_from_input[0, :3]
+    corners = np.asarray(mesh.triangles)[middles > np.quantile(middles, 0.75)]
+
+    assert len(corners) > 20000
+    assert count_crossings(corners) == 0
+    assert count_crossings(np.concatenate([corners[:2000], corners[:2000] + 0.4])) > 100
+
+
+def count_crossings(corners):
+    """How many edges of `(m, 3, 3)` facets run through another facet; facets that touch at a corner are left out."""
+    middles = corners.mean(axis=1)
+    reach = 2.0 * np.linalg.norm(corners - middles[:, None], axis=2).max()
+    pairs = KDTree(middles).query_pairs(reach, output_type="ndarray")
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    a, b = pairs.T
+    a, b = pairs[((low[a] < high[b]) & (low[b] < high[a])).all(axis=1)].T
+    touching = (corners[a][:, :, None] == corners[b][:, None]).all(axis=3).any(axis=(1, 2))
+    return sum(int(runs_through(corners[a[~touching]], corners[b[~touching]], k).sum()) for k in range(3))
+
+
+def runs_through(facets, others, k):
+    """Whether edge k of each `(n, 3, 3)` facet runs through the facet beside it."""
+    begin, end = facets[:, k], facets[:, (k + 1) % 3]
+    normal = np.cross(others[:, 1] - others[:, 0], others[:, 2] - others[:, 0])
+    above, below = (((point - others[:, 0]) * normal).sum(axis=1) for point in (begin, end))
+    through = above * below < 0
+    share = above / np.where(through, above - below, 1.0)
+    place = begin + share[:, None] * (end - begin)
+    for j in range(3):
+        edge = others[:, (j + 1) % 3] - others[:, j]
+        through &= (np.cross(edge, place - others[:, j]) * normal).sum(axis=1) > 0
+    return through
