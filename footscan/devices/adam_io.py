@@ -7,7 +7,7 @@ import time
 from footscan.config.io_models import AdamModel
 from footscan.devices import wiring
 from footscan.devices.adam_line import AdamLine
-from footscan.devices.adam_watchdog import AdamWatchdog, DconWatchdog, ModuleWatchdog
+from footscan.devices.adam_watchdog import AdamWatchdog, DconWatchdog, ModuleWatchdog, arm_surely
 from footscan.devices.serial_port import SerialPort
 from footscan.devices.values import ALL_OFF, Inputs, Outputs
 from footscan.errors import DeviceError, OutputsLostError, WrongDeviceError
@@ -31,7 +31,7 @@ class AdamIo:
         self._watchdog: ModuleWatchdog = (AdamWatchdog if model.watchdog == "adam" else DconWatchdog)(self._line)
         self._safe_bits = self._bits = wiring.bits_when_safe(model.outputs)
         self._used = wiring.used_bits(model.outputs)
-        self._doubtful = self._reset_seen = self._tripped = False
+        self._doubtful = self._dangerous = self._reset_seen = self._tripped = False
         self._status_s = -1e9
         try:
             self._refuse_another_module()
@@ -51,9 +51,10 @@ class AdamIo:
         with self._lock:
             self._refuse_closed()
             bits = wiring.bits_from_outputs(outputs, self._model.outputs)
-            if outputs.dangerous:
+            if outputs.dangerous and not self._dangerous:
                 self._refuse_unguarded()
             self._write(bits)
+            self._dangerous = outputs.dangerous
 
     def read_outputs(self) -> Outputs:
         """What the module says it switches now."""
@@ -93,7 +94,7 @@ class AdamIo:
             self._take_status()
             self._watchdog.clear()
             self._write(self._safe_bits)
-            self._watchdog.arm(timeout_s, self._safe_bits)
+            arm_surely(self._watchdog, timeout_s, self._safe_bits)
             self._tripped = self._reset_seen = False
 
     def feed_watchdog(self) -> None:
@@ -118,7 +119,7 @@ class AdamIo:
 
         A tripped module ignores the command (`!`) or calls it invalid; what it shows afterwards decides.
         """
-        self._bits, self._doubtful = bits, True
+        self._bits, self._doubtful, self._dangerous = bits, True, False
         self._line.ask("#", f"00{bits:02X}", r"[>!]|\?AA")
         shown, _ = self._words()
         if (shown ^ bits) & self._used:
@@ -136,7 +137,7 @@ class AdamIo:
         if not (dropped and (self._reset_seen or self._tripped)):
             self._doubtful = True
             raise self._disobeyed(shown, self._bits)
-        self._bits = self._safe_bits
+        self._bits, self._dangerous = self._safe_bits, False
 
     def _words(self) -> tuple[int, int]:
         """Outputs and inputs as the module shows them."""
@@ -158,8 +159,6 @@ class AdamIo:
 
     def _refuse_unguarded(self) -> None:
         """Before the first beam or turn: a module that restarted since the last look has forgotten its watchdog."""
-        if self._bits != self._safe_bits:
-            return
         self._take_status()
         if self._reset_seen or self._tripped:
             what = "has restarted (power was lost)" if self._reset_seen else "has tripped its watchdog"

@@ -84,8 +84,9 @@ class AdamLine:
                     answers_s = time.monotonic() - self._port.wire_s(len(answer) + 1)
                     self.sampled_s = 0.5 * (heard_s + max(answers_s, heard_s))
                     return match
-                self._refuse_invalid(command, text)
                 heard[:] = [*heard[-2:], answer]
+                if text == self._invalid:
+                    return None
             if time.monotonic() > end_s + self._timeout_s:
                 break
         return None
@@ -96,14 +97,17 @@ class AdamLine:
                 break
         self._lines.clear()
 
-    def _refuse_invalid(self, command: str, text: str | None) -> None:
-        if text == f"?{self.address}":
-            raise OutputsLostError(
+    @property
+    def _invalid(self) -> str:
+        """The answer to a command that the module does not know, or that noise has spoiled."""
+        return f"?{self.address}"
+
+    def _no_answer(self, command: str, heard: list[bytes]) -> OutputsLostError:
+        if heard and reply_text(heard[-1], self._with_checksum) == self._invalid:
+            return OutputsLostError(
                 f"the output module at address {self.address} on {self._port.path} does not know {command!r}; give "
                 "the dialect of the module in the rig file."
             )
-
-    def _no_answer(self, command: str, heard: list[bytes]) -> OutputsLostError:
         if not heard:
             return OutputsLostError(
                 f"the output module at address {self.address} on {self._port.path} does not answer {command!r} at "

@@ -12,6 +12,23 @@ _FEED_SHARE = 4.0
 _KINDS = {"S": "silence", "P": "power-on"}
 
 
+_ARMINGS = 3
+
+
+def arm_surely(watchdog: "ModuleWatchdog", timeout_s: float, safe_bits: int) -> None:
+    """Arm, and again if it has tripped meanwhile: a busy computer may be silent for longer than `timeout_s`.
+
+    Raises:
+        OutputsLostError: The module does not confirm it, or its trip cannot be cleared.
+    """
+    for _ in range(_ARMINGS):
+        watchdog.clear()
+        watchdog.arm(timeout_s, safe_bits)
+        if not watchdog.tripped():
+            return
+    raise _not_armed("still says that its watchdog has tripped")
+
+
 class ModuleWatchdog(Protocol):
     """Of one dialect."""
 
@@ -50,15 +67,13 @@ class AdamWatchdog:
         """Writing the safety value does it."""
 
     def arm(self, timeout_s: float, safe_bits: int) -> None:
-        """`$AAX0TTTTDD`, in tenths of a second, then read back and asked whether it has tripped."""
+        """`$AAX0TTTTDD`, in tenths of a second, read back by `$AAX1`."""
         tenths = _tenths(timeout_s, 0xFFFF)
         self._line.ask("$", f"X0{tenths:04X}{safe_bits:02X}", ">")
         shown = self._line.ask("$", "X1", r"!([0-9A-F]{4})([0-9A-F]{2})")
         if (int(shown[1], 16), int(shown[2], 16)) != (tenths, safe_bits):
             raise _not_armed(f"shows {shown[0]!r} as its safety value")
         self._timeout_s = tenths / 10
-        if self.tripped():
-            raise _not_armed("still says that its watchdog has tripped")
 
     def feed(self) -> None:
         """Say something, unless something has just been said."""
@@ -94,8 +109,6 @@ class DconWatchdog:
         if int(shown[1], 16) != tenths:
             raise _not_armed(f"shows {shown[0]!r} as its time-out")
         self._timeout_s = tenths / 10
-        if self.tripped():
-            raise _not_armed("still says that its watchdog has tripped")
         self.feed()
 
     def feed(self) -> None:

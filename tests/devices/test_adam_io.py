@@ -132,6 +132,15 @@ def test_a_new_program_finds_a_tripped_module_and_takes_it_over(plug_io):
     module.close()
 
 
+def test_a_trip_that_cannot_be_cleared_leaves_the_machine_unarmed(plug_io, monkeypatch):
+    module = AdamIo(plug_io().model)
+    monkeypatch.setattr(module._watchdog, "tripped", lambda: True)
+
+    with pytest.raises(OutputsLostError, match=r"still says .* switch the module off and on"):
+        module.arm_watchdog(1.0)
+    module.close()
+
+
 def test_a_restart_after_arming_keeps_the_beams_off(plug_io):
     io = plug_io()
     module = AdamIo(io.model)
@@ -142,6 +151,34 @@ def test_a_restart_after_arming_keeps_the_beams_off(plug_io):
     with pytest.raises(OutputsLostError, match="restarted"):
         module.set_outputs(BEAM)
     assert not any(change.outputs.dangerous for change in io.panel.history)
+    module.close()
+
+
+def test_a_restart_is_noticed_before_the_first_beam_although_the_lamp_was_on(plug_io):
+    io = plug_io(outputs={"laser_left": 0, "laser_right": 1, "motor_run": 2, "motor_reverse": 3, "lamp": 4})
+    module = AdamIo(io.model)
+    module.arm_watchdog(1.0)
+    module.set_outputs(Outputs(lamp=True))
+    io.device.reset(time.monotonic())
+
+    with pytest.raises(OutputsLostError, match="restarted"):
+        module.set_outputs(replace(BEAM, lamp=True))
+    assert not any(change.outputs.dangerous for change in io.panel.history)
+    module.close()
+
+
+def test_a_command_spoiled_once_is_repeated_and_an_unknown_one_is_said(plug_io):
+    io = plug_io()
+    module = AdamIo(io.model)
+    hear, spoil = io.device.hear, [True]
+    io.device.hear = lambda data, time_s: hear(b"$01Q\r" if spoil and spoil.pop() else data, time_s)
+    inputs = module.read_inputs()
+    io.device.hear = lambda data, time_s: hear(b"$01Q\r", time_s)
+
+    assert inputs.estop_ok
+    with pytest.raises(OutputsLostError, match=r"does not know '\$016'; give the dialect"):
+        module.read_inputs()
+    io.device.hear = hear
     module.close()
 
 
