@@ -182,11 +182,15 @@ def start_session(opened: OpenedRig, calibration: Calibration | None) -> Session
     """The control thread over opened devices; everything is off.
 
     Raises:
-        DeviceError: A device does not answer.
+        DeviceError: A device does not answer; all are given back.
     """
-    tables = None if calibration is None else build_tables(calibration)
-    session = Session(opened.devices, SessionSetup(opened.rig.scanner, opened.rig.motion, calibration, tables))
-    session.start()
+    with ExitStack() as opening:
+        for device in (opened.devices.camera, opened.devices.encoder, opened.devices.io):
+            opening.callback(device.close)
+        tables = None if calibration is None else build_tables(calibration)
+        session = Session(opened.devices, SessionSetup(opened.rig.scanner, opened.rig.motion, calibration, tables))
+        session.start()
+        opening.pop_all()  # from now on the session closes them
     return session
 
 

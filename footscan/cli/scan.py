@@ -1,5 +1,6 @@
 """`footscan scan` and `footscan scans`."""
 
+import shlex
 import signal
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -17,7 +18,7 @@ from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
 from footscan.config.rig_file import Rig, load_rig
 from footscan.coordinates import Side
-from footscan.errors import ConfigError, InputError, InterlockError
+from footscan.errors import ConfigError, FootscanError, InputError, InterlockError
 from footscan.optics.calibration import Calibration
 from footscan.records.data_folder import SCANS, data_folder
 from footscan.scanning.session.control import Session
@@ -26,6 +27,8 @@ from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.process import ProcessSettings
 from footscan.workflow.scan import (
+    CALIBRATION,
+    RECORDING,
     RESULTS,
     ScanSettings,
     find_scans,
@@ -33,6 +36,7 @@ from footscan.workflow.scan import (
     prepare_machine,
     record_scan,
     refuse_findings,
+    refuse_used_folder,
     scan_folder,
 )
 
@@ -63,6 +67,7 @@ def scan_command(
     machine_rig = chosen_rig(rig, fast)
     in_force = _calibration(machine_rig, calibration, data_folder(data), json_only)
     folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)
+    refuse_used_folder(folder)
     subject = Subject(load=load, surface=surface)
     with opened_session(machine_rig, side, in_force) as session:
         plan = plan_scan(machine_rig.motion, _profile(machine_rig, profile), session.facts, machine_rig.scanner)
@@ -71,8 +76,9 @@ def scan_command(
         if not json_only:
             STDOUT.print(plan.sentence())
         _confirm(yes)
-        _sweep(session, settings, in_force, json_only)
-    with progress_bar("frames", quiet=json_only) as progress:
+        with _what_is_kept(folder):
+            _sweep(session, settings, in_force, json_only)
+    with _what_is_kept(folder), progress_bar("frames", quiet=json_only) as progress:
         report = measure_recorded(settings, in_force, progress)
     if json_only:
         print_json(report)
@@ -90,6 +96,22 @@ def _sweep(session: Session, settings: ScanSettings, calibration: Calibration, q
     record_scan(session, settings, calibration, teller)
 
 
+@contextmanager
+def _what_is_kept(folder: Path) -> Generator[None]:
+    """Whatever ends a scan: where its frames are, and how they become a foot."""
+    try:
+        yield
+    except (FootscanError, KeyboardInterrupt):
+        if any((folder / RECORDING / "frames").glob("*.png")):
+            STDERR.print(f"What was captured is in {folder}; measure it with: {_process_command(folder)}")
+        raise
+
+
+def _process_command(folder: Path) -> str:
+    words = (folder / RECORDING, "--calibration", folder / CALIBRATION, "--out", folder / RESULTS)
+    return f"footscan process {shlex.join(str(word) for word in words)}"
+
+
 def chosen_rig(path: Path | None, fast: bool) -> Rig:
     """The rig of a file, or the simulated one.
 
@@ -102,6 +124,8 @@ def chosen_rig(path: Path | None, fast: bool) -> Rig:
         return rig
     if rig.devices.world is None:
         raise InputError("--fast is for the simulated machine; a real one needs its time.")
+    if rig.devices.emulated:
+        raise InputError("--fast is for simulated devices; emulated ones speak over wires, which need their time.")
     world = rig.devices.world.model_copy(update={"time": "fast"})
     return replace(rig, devices=rig.devices.model_copy(update={"world": world}))
 
@@ -121,8 +145,11 @@ def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Gen
     except KeyboardInterrupt:
         raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
     finally:
+        interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the last frames are being written: no hurry now
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         session.close()
         opened.give_back()
+        signal.signal(signal.SIGINT, interrupt)
         signal.signal(signal.SIGTERM, before)
 
 
@@ -140,8 +167,7 @@ def scans_command(data: DataOption = None, json_only: Annotated[bool, typer.Opti
         if item.trouble:
             STDOUT.print(f"  cannot be read: {item.trouble}")
         elif not item.processed:
-            where = f"{item.folder}/recording --calibration {item.folder}/calibration.toml --out {item.folder}/results"
-            STDOUT.print(f"  not processed yet: footscan process {where}")
+            STDOUT.print(f"  not processed yet: {_process_command(item.folder)}")
 
 
 def _profile(rig: Rig, name: str | None) -> Any:

@@ -48,6 +48,10 @@ class MotionModel(Strict):
     max_on_s: float = Field(default=60.0, gt=1, le=600)
     profile: Annotated[tuple[ProfileModel, ...], BeforeValidator(tuple_from_list), Field(min_length=1)]
 
+    def stopping_deg(self, speed_deg_per_s: float) -> float:
+        """How far the head may turn on once it is to stop, a late computer included."""
+        return speed_deg_per_s**2 / (2.0 * self.acceleration_deg_per_s2) + REACTION_S * speed_deg_per_s
+
     @model_validator(mode="before")
     @classmethod
     def _pairs(cls, table: Any) -> Any:
@@ -74,8 +78,17 @@ class MotionModel(Strict):
             yield f"home_deg {self.home_deg:g} must lie between the lower travel limit {low:g} and the sweep {begin:g}"
         if sorted(set(self.speeds_deg_per_s)) != list(self.speeds_deg_per_s) or self.speeds_deg_per_s[0] <= 0:
             yield f"speeds_deg_per_s {list(self.speeds_deg_per_s)} must be positive and rise"
-        top = self.speeds_deg_per_s[-1]
-        stopping = top**2 / (2.0 * self.acceleration_deg_per_s2) + REACTION_S * top
+        slowest, stopping = self.speeds_deg_per_s[0], self.stopping_deg(self.speeds_deg_per_s[-1])
+        if self.stopping_deg(slowest) > self.home_deg - low:
+            yield (
+                f"at {slowest:g} degrees/s, the slowest, the head stops in {self.stopping_deg(slowest):.1f} degrees, "
+                f"but only {self.home_deg - low:.1f} lie between travel_deg and home_deg"
+            )
+        if slowest > 0 and (end - begin) / slowest > self.max_on_s:
+            yield (
+                f"a sweep of {end - begin:g} degrees at {slowest:g} degrees/s takes {(end - begin) / slowest:.0f} s, "
+                f"longer than max_on_s {self.max_on_s:g} allows"
+            )
         if stopping > min(begin - low, high - end):
             yield (
                 f"at {self.speeds_deg_per_s[-1]:g} degrees/s the head stops within {stopping:.1f} degrees, "
@@ -83,6 +96,9 @@ class MotionModel(Strict):
             )
         if any(not first < second for first, second in self.blocked_deg):
             yield f"each of blocked_deg goes from low to high, found {[list(pair) for pair in self.blocked_deg]}"
+        park = 0.5 * (self.home_deg + begin)
+        if any((park - first) % 360.0 <= second - first for first, second in self.blocked_deg):
+            yield f"the head parks at {park:g} degrees, inside blocked_deg; the lasers are tried there before each scan"
         names = [profile.name for profile in self.profile]
         if len(set(names)) < len(names):
             yield f"profile names must differ, found {names}"

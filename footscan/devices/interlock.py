@@ -3,7 +3,7 @@
 import contextlib
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 from footscan.devices.clock import Clock
@@ -53,6 +53,7 @@ class Interlock:
         self._granted_s = self._moved_s = 0.0
         self._dangerous_since_s: float | None = None
         self._emergency = False
+        self._ran_reverse = False
         self._io.set_outputs(ALL_OFF)
         on_change(clock.now_s(), ALL_OFF)
 
@@ -88,7 +89,7 @@ class Interlock:
         """Switch everything off; the next use needs `arm` again."""
         with self._lock:
             self._armed = False
-            self._switch(replace(ALL_OFF, buzzer=self._outputs.buzzer))
+            self._switch(ALL_OFF)
 
     def reset_emergency(self) -> None:
         """A person has looked at the machine and closed the emergency stop.
@@ -160,6 +161,8 @@ class Interlock:
             self._armed = False
             raise
         self._outputs = outputs
+        if outputs.motor_run:
+            self._ran_reverse = outputs.motor_reverse
         now_s = self._clock.now_s()
         if not outputs.dangerous:
             self._dangerous_since_s = None
@@ -170,8 +173,9 @@ class Interlock:
     def _refuse(self, outputs: Outputs, purpose: Purpose, at_rest: bool) -> None:
         if outputs.dangerous and not self._armed:
             raise InterlockError("lasers and motor are off until the machine is armed; confirm and arm it first.")
-        turned = outputs.motor_reverse != self._outputs.motor_reverse
-        if turned and (self._outputs.motor_run or (outputs.motor_run and not at_rest)):
+        flipped = self._outputs.motor_run and outputs.motor_reverse != self._outputs.motor_reverse
+        against = outputs.motor_run and not at_rest and outputs.motor_reverse != self._ran_reverse
+        if flipped or against:
             raise InterlockError("the motor's direction was to change while it turns; stop it first.")
         if outputs.lasers and at_rest and purpose is Purpose.MOVING and not outputs.motor_run:
             raise InterlockError("a laser was to shine while the head rests; beams shine only while it moves.")

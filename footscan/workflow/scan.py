@@ -9,7 +9,7 @@ from typing import Any
 
 from footscan.config import RecordingInfo, Subject, save_calibration
 from footscan.coordinates import Side
-from footscan.errors import FootscanError, QualityError, RecordingError
+from footscan.errors import FootscanError, QualityError, RecordingError, StorageError
 from footscan.optics.calibration import Calibration
 from footscan.scanning.recorder import MANIFEST
 from footscan.scanning.recording import open_recording
@@ -17,6 +17,7 @@ from footscan.scanning.session.checkup import CheckOrder, check_before_scan
 from footscan.scanning.session.control import Session, Ticket
 from footscan.scanning.session.plan import ScanPlan
 from footscan.scanning.session.programs import COUNTDOWN_S, ScanOrder, home, scan
+from footscan.scanning.session.session_file import COMPLETE, load_outcome
 from footscan.scanning.session.states import Finding, Snapshot
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.results import save_results
@@ -73,16 +74,31 @@ def refuse_findings(findings: list[Finding]) -> None:
         raise QualityError(" ".join(f"{finding.cause}: {finding.sentence}" for finding in blocking))
 
 
+def refuse_used_folder(folder: Path) -> None:
+    """Nothing recorded is ever overwritten, nor the calibration it was made under.
+
+    Raises:
+        RecordingError: The folder holds a recording already.
+    """
+    if (folder / RECORDING / "recording.toml").exists():
+        raise RecordingError(f"{folder} already holds a recording; choose another folder, nothing is overwritten.")
+
+
 def record_scan(session: Session, settings: ScanSettings, calibration: Calibration, tell: Tell) -> Path:
     """Sweep, and leave the recording with the calibration it was made under; returns the recording's folder.
 
     Raises:
         DeviceError: A device failed, or somebody stopped it; what was captured is kept.
-        StorageError: The disk is full; what was captured is kept.
+        RecordingError: The folder holds a recording already.
+        StorageError: The place cannot be written or the disk is full; what was captured is kept.
     """
+    refuse_used_folder(settings.folder)
     recording = settings.folder / RECORDING
     created = datetime.now(UTC).isoformat(timespec="seconds")
-    recording.mkdir(parents=True, exist_ok=True)
+    try:
+        recording.mkdir(parents=True, exist_ok=True)
+    except OSError as err:
+        raise StorageError(f"{recording} could not be made ({err.strerror}); choose another place.") from err
     save_calibration(calibration, settings.folder / CALIBRATION)
     info = RecordingInfo("scan", settings.side, created, settings.notes, settings.subject)
     order = ScanOrder(recording, info, settings.plan, settings.countdown_s)
@@ -134,6 +150,7 @@ def _stored(folder: Path) -> StoredScan:
     finished = (folder / RECORDING / MANIFEST).is_file()
     processed = (folder / RESULTS / "scan.json").is_file()
     try:
+        finished = finished and load_outcome(folder / RECORDING) in (COMPLETE, None)
         recording = open_recording(folder / RECORDING)
     except (FootscanError, RecordingError) as err:
         return StoredScan(folder, "?", "?", 0, finished, processed, str(err))

@@ -18,7 +18,7 @@ _AMBIENT_GREY = 110
 _BORDER_PX = 3
 _SKIN_FROM_MM = 8.0  # above the board
 _FEWEST_SKIN_POINTS = 15
-_OFF_CENTRE_MM = 45.0
+_OFF_CENTRE_MM = 35.0
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def judge_place(frames: TestFrames, tables: dict[LaserName, LightTable]) -> list
                 f"{WORKING_RADIUS_MM:.0f} mm; move the foot towards the middle.",
             )
         )
-    aside_mm = _aside(skin)
+    aside_mm = _aside(skin, frames.theta_rad)
     if abs(aside_mm) > _OFF_CENTRE_MM:
         side = "right" if aside_mm > 0 else "left"
         findings.append(
@@ -132,9 +132,8 @@ def _skin_world(frame: Frame, table: LightTable, theta_rad: float) -> Floats:
     return xyz[xyz[:, 2] > _SKIN_FROM_MM]
 
 
-def _aside(skin: list[Floats]) -> float:
-    """How far the skin is from the axis on the right laser's stripe more than on the left's, halved (mm)."""
-    if min(len(part) for part in skin) < _FEWEST_SKIN_POINTS:
-        return 0.0
-    near = [float(np.percentile(np.hypot(part[:, 0], part[:, 1]), 90)) for part in skin]
-    return 0.5 * (near[0] - near[-1])
+def _aside(skin: list[Floats], theta_rad: float) -> float:
+    """Middle of the skin across the camera's line of sight, each laser counting the same (mm, right positive)."""
+    across = np.array([-np.sin(theta_rad), np.cos(theta_rad)])
+    seen = [part[:, :2] @ across for part in skin if len(part) >= _FEWEST_SKIN_POINTS]
+    return float(np.mean([np.median(part_mm) for part_mm in seen])) if seen else 0.0

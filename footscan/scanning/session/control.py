@@ -15,7 +15,14 @@ from footscan.devices.clock import Clock
 from footscan.devices.interlock import Interlock, InterlockLimits
 from footscan.devices.protocols import Camera, DigitalIo, Encoder
 from footscan.devices.values import CameraFacts, CameraFrame
-from footscan.errors import DeviceError, EncoderLostError, FootscanError, InputError, InterlockError
+from footscan.errors import (
+    DeviceError,
+    EncoderLostError,
+    FootscanError,
+    InputError,
+    InterlockError,
+    OutputsLostError,
+)
 from footscan.optics.calibration import Calibration, EncoderScale
 from footscan.optics.scanner import Scanner
 from footscan.optics.tables import LightTable
@@ -31,6 +38,8 @@ from footscan.scanning.session.warm_up import warm_up
 
 ROUND_S = 0.01
 STUCK_S = 2.0
+WRITING_S = 60.0
+"""A slow disk gets so long to take the frames still in the queue when the machine is closed."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +117,8 @@ class Session:
         self._commands: deque[tuple[Callable[[Machine], Program | None], Ticket, bool]] = deque()
         self._program: Program | None = None
         self._ticket: Ticket | None = None
-        self._quit = False
+        self._over: list[tuple[Ticket, FootscanError | None]] = []
+        self._quit = self._closed = self._settled = False
         self._watched_until_s: float | None = None
         self._button_was = False
         self._frames_seen = -1
@@ -146,7 +156,7 @@ class Session:
     @property
     def settled(self) -> bool:
         """Nothing runs any more and the recording is closed."""
-        return self._snapshot.state not in BUSY and self._machine.keeper.finished
+        return self._settled
 
     def post(self, command: Callable[[Machine], Program | None], interrupts: bool = False) -> Ticket:
         """Give the control thread something to do: a program, or one thing done at once.
@@ -156,10 +166,9 @@ class Session:
             interrupts: It may be done while a program runs.
         """
         ticket = Ticket()
-        if not self._thread.is_alive() and self._thread.ident is not None:
-            ticket.settle(DeviceError("the machine is closed; start the program again."))
-            return ticket
         self._commands.append((command, ticket, interrupts))
+        if self._closed:
+            self._refuse_waiting()
         self.clock.notify()
         return ticket
 
@@ -181,12 +190,34 @@ class Session:
 
     def close(self) -> None:
         """Everything off, threads ended, devices given back; safe to call twice and from any thread."""
-        self._quit = True
+        before, self._quit = self._quit, True
         self.clock.notify()
         if self._thread.ident is not None:
             self._thread.join()
-        else:
-            self._give_back()
+        elif not before:
+            self._close_unused()
+
+    def _close_unused(self) -> None:
+        """It was never started: its threads will not wait on the clock, this one does."""
+        for _ in self._helpers():
+            self.clock.leave()
+        self.clock.join()
+        self._give_back()
+        self._end()
+        self.clock.leave()
+
+    def _end(self) -> None:
+        machine = self._machine
+        if machine.state is not State.FAULT:
+            machine.say(State.CLOSED)
+        self._publish()
+        self._closed = True
+        self._refuse_waiting()
+
+    def _refuse_waiting(self) -> None:
+        while self._commands:
+            with contextlib.suppress(IndexError):  # another thread may take the last one
+                self._commands.popleft()[1].settle(DeviceError("the machine is closed; start the program again."))
 
     def _helpers(self) -> list[threading.Thread]:
         machine = self._machine
@@ -237,7 +268,7 @@ class Session:
             next_s = self.clock.now_s()
             while not self._quit:
                 self._round(machine)
-                self._snapshot = self._take_snapshot()
+                self._publish()
                 if self.clock.now_s() >= next_s:
                     next_s = self.clock.now_s() + ROUND_S
                 wake_s, machine.wake_s = machine.wake_s, np.inf
@@ -246,13 +277,19 @@ class Session:
             self._fail(failure_of_thread("controls the machine", err))
         finally:
             self._stop_program(InterlockError("the machine was closed meanwhile."))
+            self._publish()
             self._give_back()
-            if machine.state is not State.FAULT:
-                machine.say(State.CLOSED)
-            self._snapshot = self._take_snapshot()
-            for _, ticket, _ in self._commands:
-                ticket.settle(DeviceError("the machine is closed; start the program again."))
+            self._end()
             self.clock.leave()
+
+    def _publish(self) -> None:
+        """Show what is, and only then tell those who wait that their commands are over."""
+        settled = self._program is None and self._machine.state not in BUSY and self._machine.keeper.finished
+        self._snapshot = self._take_snapshot()
+        self._settled = settled  # only now: whoever reads this finds the final counts in the snapshot
+        while self._over:
+            ticket, error = self._over.pop(0)
+            ticket.settle(error)
 
     def _something_to_do(self) -> bool:
         return bool(self._commands) or self._quit or self._machine.grabber.arrived != self._frames_seen
@@ -283,7 +320,7 @@ class Session:
 
     def _obey_button(self, machine: Machine) -> None:
         pressed, self._button_was = machine.inputs.button and not self._button_was, machine.inputs.button
-        if pressed and machine.state in BUSY:
+        if pressed and self._program is not None:
             self._cancel(machine, "stopped by the button on the machine")
 
     def _obey_commands(self, machine: Machine) -> None:
@@ -292,11 +329,13 @@ class Session:
             try:
                 self._refuse_command(machine, interrupts)
                 program = command(machine)
-            except FootscanError as err:
-                ticket.settle(err)
+            except Exception as err:
+                self._over.append((ticket, failure_of_thread("controls the machine", err)))
+                if isinstance(err, OutputsLostError) or not isinstance(err, FootscanError):
+                    raise  # something may still be on
                 continue
             if program is None:
-                ticket.settle()
+                self._over.append((ticket, None))
             else:
                 self._program, self._ticket = program, ticket
 
@@ -322,18 +361,26 @@ class Session:
         except StopIteration:
             ticket, self._program, self._ticket = self._ticket, None, None
             if ticket is not None:
-                ticket.settle()
+                self._over.append((ticket, None))
 
     def _cancel(self, machine: Machine, why: str) -> None:
         machine.carriage.forget_command()
-        machine.interlock.disarm()
-        self._stop_program(InterlockError(f"{why}."))
-        machine.say(State.STOPPED, f"{why}; lasers and motor are off, what was captured is kept.")
+        try:
+            machine.interlock.disarm()
+        finally:
+            self._stop_program(InterlockError(f"{why}."))
+        if machine.state is not State.FAULT:  # a fault stays until somebody resets it
+            machine.say(State.STOPPED, f"{why}; lasers and motor are off, what was captured is kept.")
 
     def _reset(self, machine: Machine) -> None:
+        if self._program is not None:
+            raise InterlockError(f"the machine is busy ({machine.state.value}) and has no fault to reset.")
         machine.interlock.reset_emergency()
         self._replace_dead_threads(machine)
-        machine.say(State.PARKED if machine.carriage.homed else State.CONNECTED)
+        if machine.parked or not machine.carriage.homed:
+            machine.say(State.PARKED if machine.carriage.homed else State.CONNECTED)
+        else:
+            machine.say(State.STOPPED, "reset; lasers and motor are off, the next scan parks the head first.")
 
     def _replace_dead_threads(self, machine: Machine) -> None:
         """New threads for those that ended: the cable is in again, the disk has room again."""
@@ -377,7 +424,7 @@ class Session:
             except FootscanError:
                 handled = False
         if ticket is not None:
-            ticket.settle(None if handled else err)
+            self._over.append((ticket, None if handled else err))
         return handled
 
     def _give_back(self) -> None:
@@ -391,7 +438,7 @@ class Session:
         self.clock.leave()  # the others may need the time this thread would keep still
         for thread in self._helpers():
             if thread.ident is not None:
-                thread.join(STUCK_S)
+                thread.join(WRITING_S if thread is machine.keeper.thread else STUCK_S)
         self.clock.join()
         if machine.keeper.thread.failure is not None:
             machine.keeper.abandon()

@@ -10,6 +10,7 @@ import numpy as np
 from footscan.config import RecordingInfo
 from footscan.devices.clock import Clock
 from footscan.devices.values import CameraFrame, EncoderSamples, Outputs
+from footscan.errors import InterlockError
 from footscan.scanning.recorder import RecordingWriter
 from footscan.scanning.recording import FrameLaser, FrameSweep
 from footscan.scanning.session.angle_track import AngleTrack
@@ -118,9 +119,12 @@ class Keeper:
         """Open a recording; frames that arrive from now on belong to it.
 
         Raises:
+            InterlockError: The last frames of the recording before it are not yet written.
             RecordingError: The folder already holds one.
             StorageError: The place cannot be written.
         """
+        if not self.finished:
+            raise InterlockError("the recording before this one is still being written; wait a moment, start again.")
         writer = RecordingWriter(folder, info, scanner_toml)
         with self._lock:
             self._captured = self._kept = self._lost = 0
@@ -132,8 +136,8 @@ class Keeper:
         """No further frames; those in the queue are still written, then the recording is closed."""
         with self._lock:
             closing, self._accepting = self._accepting, False
-        if closing:
-            self.thread.offer(None, however_full=True)
+            if closing:  # under the lock: no frame may come behind the end
+                self.thread.offer(None, however_full=True)
 
     @property
     def finished(self) -> bool:
@@ -153,8 +157,8 @@ class Keeper:
             if self._last_number is not None:
                 self._lost += max(frame.number - self._last_number - 1, 0)
             self._last_number = frame.number
-        if not self.thread.offer(frame):
-            self._reject("recorder behind")
+            if not self.thread.offer(frame):
+                self._rejected["recorder behind"] += 1
 
     def add_counts(self, samples: EncoderSamples) -> None:
         """What the encoder said since last time."""
@@ -168,11 +172,13 @@ class Keeper:
 
     def abandon(self) -> None:
         """The thread has failed: close what is written so that it can be read; the rest of the queue is named."""
-        recording, self._recording, self._accepting = self._recording, None, False
+        with self._lock:
+            recording, self._recording, self._accepting = self._recording, None, False
+            left = self._captured - self._kept - self._rejected.total()
+            if recording is not None and left:
+                self._rejected["not written"] += left
         if recording is not None:
             recording.writer.break_off()
-            with self._lock:
-                self._rejected["not written"] += self._captured - self._kept - self._rejected.total()
 
     def _work(self, item: CameraFrame | EncoderSamples | None) -> None:
         recording = self._recording
@@ -205,6 +211,9 @@ class Keeper:
         exposed_s = named.frame.time_s - recording.timing.latency_s
         self._clock.wait(self._clock.now_s() + 0.1, lambda: self._track.reaches(exposed_s))
         theta_rad = self._track.theta_at(np.array([exposed_s]))[0]
+        if not np.isfinite(theta_rad):
+            self._reject("angle unknown")
+            return []
         key = (named.laser, named.sweep)
         picker = recording.pickers.setdefault(key, AnglePicker(recording.step_rad))
         before = picker.passed_over

@@ -32,7 +32,7 @@ class LiveView:
     """Points of the frames of a scan so far; a frame it has no time for is skipped by name, never waited for.
 
     Attributes:
-        threshold: Given, or found on the first frame of each scan.
+        threshold: Given; None to find it on the first frame of each scan.
     """
 
     def __init__(self, clock: Clock, tables: dict[LaserName, LightTable], track: AngleTrack, latency_s: float) -> None:
@@ -41,9 +41,10 @@ class LiveView:
         self._finder = StripeFinder()
         self._lock = threading.Lock()
         self._points: list[LivePoints] = []
-        self._given = 0
+        self._given = self._scan = 0
+        self._found: int | None = None
         self._skipped: Counter[str] = Counter()
-        self.thread: QueueThread[tuple[CameraFrame, LaserName]] = QueueThread(
+        self.thread: QueueThread[tuple[CameraFrame, LaserName, int]] = QueueThread(
             "makes the live view", clock, self._work, QUEUED_FRAMES
         )
 
@@ -51,12 +52,13 @@ class LiveView:
         """Forget the points of the last scan."""
         with self._lock:
             self._points, self._given, self._skipped = [], 0, Counter()
+            self._scan, self._found = self._scan + 1, None
 
     def offer(self, frame: CameraFrame, laser: LaserName) -> None:
         """A lit frame."""
         with self._lock:
             self._given += 1
-        if not self.thread.offer((frame, laser)):
+        if not self.thread.offer((frame, laser, self._scan)):
             self._skip("live view behind")
 
     def points_since(self, index: int) -> list[LivePoints]:
@@ -69,8 +71,10 @@ class LiveView:
         with self._lock:
             return LiveCount(self._given, len(self._points), dict(self._skipped))
 
-    def _work(self, item: tuple[CameraFrame, LaserName]) -> None:
-        frame, laser = item
+    def _work(self, item: tuple[CameraFrame, LaserName, int]) -> None:
+        frame, laser, scan = item
+        if scan != self._scan:  # of the scan before: its view has been cleared
+            return
         exposed_s = frame.time_s - self._latency_s
         if not self._clock.wait(self._clock.now_s() + _PATIENCE_S, lambda: self._track.reaches(exposed_s)):
             self._skip("angle unknown")
@@ -81,12 +85,14 @@ class LiveView:
             return
         points = self._points_of(frame, laser, theta_rad)
         with self._lock:
-            self._points.append(points)
+            if scan == self._scan:
+                self._points.append(points)
 
     def _points_of(self, frame: CameraFrame, laser: LaserName, theta_rad: float) -> LivePoints:
-        if self.threshold is None:
-            self.threshold = automatic_threshold(frame.frame)
-        stripe = self._finder.find(frame.frame, self.threshold)
+        threshold = self.threshold
+        if threshold is None:
+            threshold = self._found = automatic_threshold(frame.frame) if self._found is None else self._found
+        stripe = self._finder.find(frame.frame, threshold)
         table = self._tables[laser]
         xy_light = table.lookup(stripe.uv)
         xy_light = xy_light[np.isfinite(xy_light[:, 0])]

@@ -70,6 +70,12 @@ class Machine:
         """Where the head waits: between the home switch and the sweep."""
         return float(np.deg2rad(0.5 * (self.motion.home_deg + self.motion.sweep_deg[0])))
 
+    @property
+    def parked(self) -> bool:
+        """The head has found its home and stands where it waits."""
+        reach = self.carriage.drive.stopping_rad(0)
+        return self.carriage.homed and abs(self.carriage.theta_rad - self.park_rad) <= PARK_TOLERANCE_RAD + reach
+
     def say(self, state: State, message: str | None = None) -> None:
         """Show a person what happens now."""
         self.state, self.message = state, state.value if message is None else message

@@ -9,17 +9,19 @@ import numpy as np
 from footscan.config import RecordingInfo, scanner_toml
 from footscan.coordinates import LaserName
 from footscan.devices.interlock import Purpose
-from footscan.errors import DeviceError, FootscanError, HeadStalledError, StorageError
+from footscan.errors import DeviceError, FootscanError, HeadStalledError, InterlockError, StorageError
 from footscan.scanning.recording import FrameSweep
 from footscan.scanning.session.machine import Machine, Program
 from footscan.scanning.session.plan import REST_S, ScanPlan, SweepLeg
-from footscan.scanning.session.session_file import save_outcome
+from footscan.scanning.session.session_file import COMPLETE, save_outcome
 from footscan.scanning.session.states import State
 
 COUNTDOWN_S = 3.0
 _BEEP_S = 0.15
 _WRITING_S = 60.0
 HOLD_AT_MOST_S = 60.0
+_LEAD_S = 0.03
+"""Beams go off this long before a blocked sector: a round, the switching, and the encoder's delay."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +46,12 @@ def home(machine: Machine) -> Program:
     machine.say(State.HOMING)
     carriage = machine.carriage
     carriage.lose_home()
-    top = len(machine.motion.speeds_deg_per_s) - 1
+    if not carriage.at_rest:
+        yield from machine.come_to_rest()
+    search = _search_step(machine)
     if not machine.inputs.home:
-        carriage.turn(ccw=False, speed_step=top)
-        yield from machine.until(lambda: machine.inputs.home, _search_s(machine, top), lambda: _no_home(machine))
+        carriage.turn(ccw=False, speed_step=search)
+        yield from machine.until(lambda: machine.inputs.home, _search_s(machine, search), lambda: _no_home(machine))
         yield from machine.come_to_rest()
     carriage.turn(ccw=True, speed_step=0)
     before_s, gives_up_s = machine.inputs.time_s, machine.clock.now_s() + _search_s(machine, 0)
@@ -70,6 +74,14 @@ def home_count(machine: Machine) -> int:
     return drive.zero_count + round(drive.direction * turns * drive.steps_per_rev)
 
 
+def _search_step(machine: Machine) -> int:
+    """The fastest speed from which the head stops between home switch and end stop."""
+    motion = machine.motion
+    room_deg = motion.home_deg - motion.travel_deg[0]
+    fits = [step for step, speed in enumerate(motion.speeds_deg_per_s) if motion.stopping_deg(speed) <= room_deg]
+    return max(fits, default=0)
+
+
 def _search_s(machine: Machine, speed_step: int) -> float:
     low, high = machine.motion.travel_deg
     return 1.3 * (high - low) / machine.motion.speeds_deg_per_s[speed_step] + 2.0
@@ -86,6 +98,9 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
     """A whole scan: countdown, the sweeps, the way back; whatever ends it, what was captured is kept."""
     plan, keeper = order.plan, machine.keeper
     outcome = "cancelled"
+    _refuse_unready(machine)
+    machine.say(State.RETURNING)
+    yield from machine.until(lambda: keeper.finished, _WRITING_S, _still_writing)
     yield from machine.go_to(machine.park_rad)
     yield from _countdown(machine, order.countdown_s)
     step_rad = plan.asked_step_rad if plan.at_requested_angles else None
@@ -99,7 +114,7 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
         for leg in plan.legs:
             machine.say(State.SCANNING)
             yield from _leg(machine, plan, leg, begun_s)
-        outcome = "complete"
+        outcome = COMPLETE
     except FootscanError as err:
         outcome = f"broken off: {err}"
         raise
@@ -115,6 +130,17 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
     machine.interlock.disarm()  # the next person's face is looked for anew
     machine.progress, machine.remaining_s = 1.0, 0.0
     machine.say(State.DONE)
+
+
+def _refuse_unready(machine: Machine) -> None:
+    if not machine.carriage.homed:
+        raise InterlockError("the head has not found its home yet; home it before the scan.")
+    if not machine.interlock.armed:
+        raise InterlockError("lasers and motor are off until the machine is armed; confirm and arm it first.")
+
+
+def _still_writing() -> FootscanError:
+    return StorageError(f"the recording before this one is still not written after {_WRITING_S:g} s; check the disk.")
 
 
 def _not_written(folder: Path) -> FootscanError:
@@ -178,8 +204,9 @@ class _LightInTurn:
 
     def step(self) -> None:
         """Once per round of the control thread."""
-        theta = self._machine.carriage.theta_rad
-        self.note_blocked(any(first <= theta <= last for first, last in self._blocked_rad))
+        carriage = self._machine.carriage
+        ahead_rad = carriage.theta_rad + carriage.speed_rad_s * _LEAD_S
+        self.note_blocked(self._is_blocked(carriage.theta_rad) or self._is_blocked(ahead_rad))
         now_s = self._machine.clock.now_s()
         if self._blocked:
             self._shine(())
@@ -187,6 +214,10 @@ class _LightInTurn:
             self._shine(self._cycle[0])
         else:
             self._take_turns(now_s)
+
+    def _is_blocked(self, theta_rad: float) -> bool:
+        """Sectors are places around the machine: 361 degrees is where 1 degree is."""
+        return any((theta_rad - first) % (2.0 * np.pi) <= last - first for first, last in self._blocked_rad)
 
     def note_blocked(self, blocked: bool) -> None:
         """Beams stay off here, and frames are named so."""
@@ -218,7 +249,7 @@ def _cycle(lasers: tuple[LaserName, ...], unlit_every: int) -> list[tuple[LaserN
 
 
 def hold(machine: Machine, lasers: tuple[LaserName, ...]) -> Program:
-    """Lasers on at rest while somebody keeps asking for it (`Held` renewed each second)."""
+    """Lasers on at rest; the interlock ends it a second after the last request, this never renews it."""
     machine.say(State.HOLDING)
     ends_s = machine.clock.now_s() + HOLD_AT_MOST_S
     try:

@@ -9,6 +9,7 @@ import pytest
 from footscan import app
 from footscan.config import RecordingInfo
 from footscan.config.rig_file import Rig
+from footscan.optics.calibration import Calibration
 from footscan.scanning.session.control import Session, Ticket
 from footscan.scanning.session.plan import ScanPlan, plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
@@ -33,8 +34,8 @@ def small_rig(**motion: object) -> Rig:
         principal_point_px=(c_y / SMALLER, c_z / SMALLER),
     )
     quick = {
-        "travel_deg": (-20.0, 380.0),
-        "home_deg": -12.0,
+        "travel_deg": (-24.0, 380.0),
+        "home_deg": -9.0,
         "speeds_deg_per_s": (30.0, 90.0),
         "acceleration_deg_per_s2": 800.0,
         "profile": (rig.motion.profile[0].model_copy(update={"angle_step_deg": 4.0}),),
@@ -72,10 +73,10 @@ class Bench:
         self.session.post_arm(no_faces_at_beam_height=True).wait(30)
         self.session.post(home).wait(60)
 
-    def start_scan(self, plan: ScanPlan | None = None) -> Ticket:
+    def start_scan(self, plan: ScanPlan | None = None, countdown_s: float = 0.5) -> Ticket:
         self.folder.mkdir(parents=True, exist_ok=True)
         info = RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00")
-        order = ScanOrder(self.folder, info, plan or self.plan, countdown_s=0.5)
+        order = ScanOrder(self.folder, info, plan or self.plan, countdown_s)
         return self.session.post(lambda machine: scan(machine, order))
 
     def wait_until(self, holds: Callable[[], bool], at_most_s: float = 60.0) -> None:
@@ -91,10 +92,10 @@ class Bench:
 def open_bench(tmp_path: Path) -> Iterator[Callable[..., Bench]]:
     benches: list[Bench] = []
 
-    def opened(rig: Rig | None = None, calibrated: bool = True) -> Bench:
+    def opened(rig: Rig | None = None, calibrated: bool = True, calibration: Calibration | None = None) -> Bench:
         rig = rig or small_rig()
         chosen = app.open_rig(rig)
-        calibration = app.true_machine(rig).calibration if calibrated else None
+        calibration = calibration or (app.true_machine(rig).calibration if calibrated else None)
         session = app.start_session(chosen, calibration)
         benches.append(Bench(chosen, session, tmp_path / "recording"))
         return benches[-1]
