@@ -27,6 +27,7 @@ from footscan.devices.v4l2_camera import OpenCapture, open_capture
 from footscan.errors import ConfigError
 from footscan.optics.calibration import Calibration
 from footscan.scanning.session.control import RigDevices, Session, SessionSetup, drive_of
+from footscan.sim.calibration_run import stand_board
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder
 from footscan.sim.emulators.emulated_rig import EmulatedRig
@@ -35,7 +36,7 @@ from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
 from footscan.sim.obstacles import build_obstacle
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
-from footscan.sim.standing import Standing
+from footscan.sim.standing import BoardStanding, Standing
 from footscan.sim.world import World, WorldSettings
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import build_tables
@@ -69,7 +70,13 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
         devices = _open_devices(rig, models, clock, world, opener, opening)
         give_back = (lambda: None) if emulated is None else emulated.close
         return OpenedRig(
-            rig, devices, world, lambda who: world.put(_standing(model, world.machine, who)), emulated, give_back
+            rig,
+            devices,
+            world,
+            lambda who: world.put(_standing(model, world.machine, who)),
+            lambda setup: world.put(_calibration_board(world.machine, setup, model.seed or 0)),
+            emulated,
+            give_back,
         )
 
 
@@ -204,6 +211,10 @@ def _standing(model: WorldModel, machine: TrueMachine, side: Side) -> Standing:
     body = build_object(model.object, model.unit, side, model.size)
     beside = tuple(part.surface for name in model.obstacles for part in build_obstacle(name, body, side))
     return Standing(body, machine, _PERSONS[model.person], model.seed or 0, beside)
+
+
+def _calibration_board(machine: TrueMachine, setup: int | None, seed: int) -> BoardStanding:
+    return BoardStanding(None if setup is None else stand_board(setup, seed=seed), machine)
 
 
 def _switch_off_rad(model: WorldModel) -> float:

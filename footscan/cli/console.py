@@ -1,6 +1,7 @@
 """What commands share: a progress bar on standard error, results on standard output."""
 
 import json
+import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from typing import Any
@@ -12,7 +13,7 @@ from footscan.compiled import announce_compilation
 from footscan.scanning.sweep import Progress as ProgressCallback
 
 STDERR = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
-STDOUT = Console(highlight=False, markup=False, soft_wrap=True)
+STDOUT = Console(highlight=False, markup=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
 
 
 @contextmanager

@@ -25,6 +25,7 @@ from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.designs import builtin_rig
+from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings
 from footscan.workflow.scan import (
     CALIBRATION,
@@ -69,7 +70,7 @@ def scan_command(
     folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)
     refuse_used_folder(folder)
     subject = Subject(load=load, surface=surface)
-    with opened_session(machine_rig, side, in_force) as session:
+    with opened_rig_session(machine_rig, side, in_force) as (_, session):
         plan = plan_scan(machine_rig.motion, _profile(machine_rig, profile), session.facts, machine_rig.scanner)
         process = ProcessSettings(side=side)
         settings = ScanSettings(folder, side, plan, subject, countdown_s=countdown, process=process)
@@ -131,8 +132,8 @@ def chosen_rig(path: Path | None, fast: bool) -> Rig:
 
 
 @contextmanager
-def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Generator[Session]:
-    """A session over a rig's devices; everything is off at the end, however it ends, SIGTERM included."""
+def opened_rig_session(rig: Rig, side: Side, calibration: Calibration | None) -> Generator[tuple[OpenedRig, Session]]:
+    """A rig and a session over its devices; everything is off at the end, however it ends, SIGTERM included."""
 
     def end(number: int, frame: object) -> None:
         raise InterlockError("stopped by SIGTERM; lasers and motor are off, what was captured is kept.")
@@ -141,7 +142,7 @@ def opened_session(rig: Rig, side: Side, calibration: Calibration | None) -> Gen
     opened = rig_app.open_rig(rig, side)
     session = rig_app.start_session(opened, calibration)
     try:
-        yield session
+        yield opened, session
     except KeyboardInterrupt:
         raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
     finally:

@@ -209,6 +209,12 @@ def _check(plan: CalibrationPlan) -> None:
         )
 
 
+def stand_board(setup: int, scatter: float = 1.0, seed: int = 0) -> PrintedBoard:
+    """The default board as a technician puts it down: the placements of the default plan, again and again."""
+    random = np.random.default_rng([seed, setup, 0xB0A2D])
+    return _stand(_scattered(PLACEMENTS[setup % len(PLACEMENTS)], scatter, random), DEFAULT_CALIBRATION_PLAN)
+
+
 def _scattered(place: Placement, scatter: float, random: np.random.Generator) -> Placement:
     shift, turn = random.uniform(-4.0, 4.0, 3) * scatter, np.deg2rad(random.uniform(-2.0, 2.0, 3)) * scatter
     x, y, z = np.array(place.centre_world) + shift

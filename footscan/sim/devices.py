@@ -9,6 +9,7 @@ from footscan.coordinates import LASER_NAMES, Floats, Frame
 from footscan.devices.carriage import SILENT_S
 from footscan.devices.values import ALL_OFF, CameraFacts, CameraFrame, EncoderReading, EncoderSamples, Inputs, Outputs
 from footscan.errors import CameraLostError, EncoderLostError, OutputsLostError
+from footscan.sim.calibration_run import CALIBRATION_PICTURE
 from footscan.sim.picture import Painter
 from footscan.sim.world import World
 
@@ -66,7 +67,9 @@ class SimCamera:
         self._world.clock.notify()
 
     def _new_painter(self) -> Painter:
-        settings = self._world.settings
+        settings, board = self._world.settings, self._painted.printed
+        if board is not None:
+            return Painter.of_board(self._world.machine.calibration, board, CALIBRATION_PICTURE, settings.seed)
         return Painter(self._world.machine.calibration, self._painted.surface, settings.picture, settings.seed)
 
     def warm_up(self) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from footscan.coordinates import Floats
+from footscan.sim.board import PrintedBoard
 from footscan.sim.machine import TrueMachine, world_from_board
 from footscan.sim.person import STATUE, Person, PersonSettings
 from footscan.sim.surface import Surface
@@ -24,6 +25,7 @@ class Standing:
         self._person = None if person is None or person == STATUE else Person(body, person, seed)
         still = [obstacle.moved(self._lay) for obstacle in obstacles]
         self.body = body.moved(self._lay)
+        self.printed: PrintedBoard | None = None
         self._obstacles = np.concatenate([np.empty((0, 3)), *(part.xyz_world for part in still)])
         self.surface = _joined([self.body, *still])
 
@@ -33,6 +35,17 @@ class Standing:
             return None
         body = self._person.xyz_world_at(time_s) @ self._lay[:3, :3].T + self._lay[:3, 3]
         return np.concatenate([body, self._obstacles]) if len(self._obstacles) else body
+
+
+class BoardStanding(Standing):
+    """A printed board at a placement, or nothing at all on the footboard."""
+
+    def __init__(self, board: PrintedBoard | None, machine: TrueMachine) -> None:
+        nothing = Surface(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        super().__init__(nothing, machine)
+        self.printed = board
+        if board is not None:
+            self.body = self.surface = board.surface
 
 
 def _joined(parts: list[Surface]) -> Surface:

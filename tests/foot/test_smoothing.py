@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from smooth_foot_cloud import FootCloud, distance_mm, foot_cloud
+from tests.foot.smooth_foot_cloud import FootCloud, distance_mm, foot_cloud
 
 from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_surface
 from footscan.foot.surface import FootSurface, fit_foot_surface

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import trimesh
-from smooth_foot_cloud import LENGTH_MM, LOWEST_SEEN_MM, FootCloud, distance_mm, foot_cloud, turned
+from tests.foot.smooth_foot_cloud import LENGTH_MM, LOWEST_SEEN_MM, FootCloud, distance_mm, foot_cloud, turned
 
 from footscan.errors import EmptyScanError, MeshError
 from footscan.foot.skin_origin import Origin

@@ -112,7 +112,7 @@ class Session:
     def __init__(self, devices: RigDevices, setup: SessionSetup) -> None:
         self._devices, self.setup = devices, setup
         self.clock = devices.clock
-        self._log = LightLog(Timeline(None), Timeline(None), Timeline(False))
+        self._log = LightLog(Timeline(None), Timeline(None), Timeline(False), Timeline(""))
         self._track = AngleTrack(_encoder_scale(setup))
         self._commands: deque[tuple[Callable[[Machine], Program | None], Ticket, bool]] = deque()
         self._program: Program | None = None
@@ -157,6 +157,16 @@ class Session:
     def settled(self) -> bool:
         """Nothing runs any more and the recording is closed."""
         return self._settled
+
+    @property
+    def all_written(self) -> bool:
+        """Every frame taken so far is on disk."""
+        return self._machine.keeper.thread.idle
+
+    @property
+    def writing_failure(self) -> FootscanError | None:
+        """Why no frame is written any more; None while well."""
+        return self._machine.keeper.thread.failure
 
     def post(self, command: Callable[[Machine], Program | None], interrupts: bool = False) -> Ticket:
         """Give the control thread something to do: a program, or one thing done at once.

@@ -10,7 +10,7 @@ from footscan.errors import FootscanError
 from footscan.scanning.session.queue_thread import failure_of_thread
 
 _FEWEST_PERIODS = 4.0
-_LEAST_TIMEOUT_S = 0.1
+_LEAST_TIMEOUT_S = 0.2
 
 
 class Grabber(threading.Thread):

@@ -47,6 +47,7 @@ class LightLog:
     light: Timeline[Outputs | None]
     phase: Timeline[Phase]
     blocked: Timeline[bool]
+    setup: Timeline[str]
 
     def name_frame(self, timing: ExposureTiming, stamp_s: float) -> tuple[FrameLaser, FrameSweep] | str:
         """Laser and sweep of a frame, or the name of the reason why it has none."""
@@ -223,7 +224,9 @@ class Keeper:
         return picked
 
     def _write(self, recording: _Recording, named: _Named) -> None:
-        recording.writer.add_frame(named.frame.frame, named.frame.time_s, named.laser, named.sweep)
+        frame = named.frame
+        setup = self._log.setup.at(frame.time_s - recording.timing.latency_s)
+        recording.writer.add_frame(frame.frame, frame.time_s, named.laser, named.sweep, setup)
         with self._lock:
             self._kept += 1
 

@@ -19,6 +19,8 @@ from footscan.scanning.session.states import State
 COUNTDOWN_S = 3.0
 _BEEP_S = 0.15
 _WRITING_S = 60.0
+EDGE_ROUND_S = 0.002
+"""Between two looks at the home switch while the head leaves it: what it is late by turns the whole foot."""
 HOLD_AT_MOST_S = 60.0
 _LEAD_S = 0.03
 """Beams go off this long before a blocked sector: a round, the switching, and the encoder's delay."""
@@ -59,6 +61,7 @@ def home(machine: Machine) -> Program:
         before_s = machine.inputs.time_s
         if machine.clock.now_s() > gives_up_s:
             raise _no_home(machine)
+        machine.wake_s = machine.clock.now_s() + EDGE_ROUND_S
         yield
     edge_s = 0.5 * (before_s + machine.inputs.time_s)
     carriage.set_home(home_count(machine), carriage.count_at(edge_s))

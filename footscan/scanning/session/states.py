@@ -16,12 +16,21 @@ class State(Enum):
     RETURNING = "the head returns, lasers are off"
     DONE = "done: step off"
     STOPPED = "stopped: lasers and motor are off"
+    CALIBRATING = "calibrating: keep hands and faces away from the head"
     HOLDING = "the laser is held on"
     FAULT = "fault: lasers and motor are off"
     CLOSED = "closed"
 
 
-BUSY = (State.HOMING, State.CHECKING, State.COUNTDOWN, State.SCANNING, State.RETURNING, State.HOLDING)
+BUSY = (
+    State.HOMING,
+    State.CHECKING,
+    State.COUNTDOWN,
+    State.SCANNING,
+    State.RETURNING,
+    State.HOLDING,
+    State.CALIBRATING,
+)
 
 
 @dataclass(frozen=True)
