@@ -57,6 +57,25 @@ def test_without_a_look_at_the_faces_nothing_is_switched_on(tmp_path: Path):
     assert not (tmp_path / "scans").exists()
 
 
+def test_a_folder_that_holds_a_scan_is_left_as_it_is(scanned: tuple[Path, str], tmp_path: Path):
+    folder, _ = scanned
+    before = (folder / "calibration.toml").stat().st_mtime_ns
+    words = ["scan", "--side", "left", "--yes", "--fast", "--out", str(folder), "--data", str(tmp_path)]
+    result = RUN.invoke(app, words)
+
+    assert "already holds a recording" in str(result.exception)
+    assert (folder / "calibration.toml").stat().st_mtime_ns == before
+
+
+def test_emulated_wires_cannot_be_hurried(tmp_path: Path):
+    from footscan.workflow.designs import builtin_config
+
+    rig = str(builtin_config("rig-emulated"))
+    result = RUN.invoke(app, ["scan", "--side", "left", "--yes", "--fast", "--rig", rig, "--data", str(tmp_path)])
+
+    assert "which need their time" in str(result.exception)
+
+
 def test_a_profile_that_does_not_exist_names_those_that_do(tmp_path: Path):
     result = RUN.invoke(app, ["scan", "--side", "left", "--fast", "--profile", "turbo", "--data", str(tmp_path)])
 
@@ -71,6 +90,9 @@ def test_a_profile_that_does_not_exist_names_those_that_do(tmp_path: Path):
         ("travel_deg = [-25.0, 385.0]", "travel_deg = [-6.0, 366.0]", "must lie between"),
         ("speeds_deg_per_s = [18.75, 37.5, 60.0]", "speeds_deg_per_s = [60.0, 30.0]", "must be positive and rise"),
         ("max_on_s = 60.0", "max_on_s = -1.0", "max_on_s"),
+        ("max_on_s = 60.0", "max_on_s = 15.0", "longer than max_on_s"),
+        ("home_deg = -10.0", "home_deg = -24.0", "lie between travel_deg and home_deg"),
+        ("blocked_deg = []", "blocked_deg = [[350.0, 355.0]]", "parks at -7.5 degrees, inside blocked_deg"),
         ("switching_s = 0.002", "switching_ms = 2", "switching_ms"),
         ('object = "foot"', 'object = "/no/such.stl"', "/no/such.stl"),
     ],
