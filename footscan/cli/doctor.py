@@ -8,7 +8,8 @@ import typer
 
 from footscan import app as rig_app
 from footscan.cli.console import STDOUT, print_json
-from footscan.cli.scan import DataOption, RigOption, chosen_rig
+from footscan.cli.records_options import DataOption
+from footscan.cli.scan import RigOption, chosen_rig
 from footscan.config.rig_file import Rig
 from footscan.devices.diagnosis import Finding
 from footscan.devices.v4l2_camera import open_capture

@@ -13,6 +13,7 @@ import typer
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
 from footscan.cli.process import tell_results
+from footscan.cli.records_options import DataOption, opened_store
 from footscan.config import Subject, load_calibration
 from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
@@ -43,11 +44,11 @@ from footscan.workflow.scan import (
 
 FACES = "Is nobody's face at beam height, and may the lasers and the motor be switched on?"
 RigOption = Annotated[Path | None, typer.Option(help="Rig file; default: the simulated machine.")]
-DataOption = Annotated[Path | None, typer.Option(help="Data folder; default: FOOTSCAN_DATA or the user's.")]
 
 
 def scan_command(
     side: Annotated[Side, typer.Option(help="Side of the foot.")],
+    patient: Annotated[int | None, typer.Option(help="Number of the patient to file the scan for.")] = None,
     load: Annotated[Load, typer.Option(help="Load on the foot.")] = "unknown",
     surface: Annotated[CoverKind, typer.Option(help="What covers the skin.")] = "unknown",
     rig: RigOption = None,
@@ -65,6 +66,9 @@ def scan_command(
     json_only: Annotated[bool, typer.Option("--json", help="Print scan.json and nothing else.")] = False,
 ) -> None:
     """Scan one foot without a screen and measure it."""
+    if patient is not None:
+        with opened_store(data) as store:
+            store.patient(patient)  # a wrong number is told before anybody steps on
     machine_rig = chosen_rig(rig, fast)
     in_force = _calibration(machine_rig, calibration, data_folder(data), json_only)
     folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)

@@ -14,7 +14,8 @@ RUN = CliRunner()
 def scanned(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """One scan of the simulated machine by command, at full size, in virtual time."""
     data = tmp_path_factory.mktemp("data")
-    result = RUN.invoke(app, ["scan", "--side", "right", "--load", "bipedal", "--yes", "--fast", "--data", str(data)])
+    where = ["--data", str(data)]
+    result = RUN.invoke(app, ["scan", "--side", "right", "--load", "bipedal", "--yes", "--fast", *where])
     assert result.exit_code == 0, result.output
     (folder,) = (data / "scans").iterdir()
     return folder, result.output
