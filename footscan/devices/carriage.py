@@ -20,6 +20,7 @@ _STALL_S = 0.15
 _STALL_SHARE = 0.3
 _STALL_LEAST_RAD = np.deg2rad(0.4)
 _WRONG_WAY_RAD = np.deg2rad(0.25)
+_RUN_ON_S = 3.0
 _JUMP_SPEEDS = 4.0
 _JUMP_COUNTS = 8
 
@@ -68,6 +69,7 @@ class Carriage:
         self._recent = EncoderSamples(np.empty(0), np.empty(0, np.int64))
         self._command: _Command | None = None
         self._heard_s = clock.now_s()
+        self._stands_by_s: float | None = None
 
     @property
     def theta_rad(self) -> float:
@@ -99,7 +101,7 @@ class Carriage:
 
         Raises:
             EncoderLostError: Silent for 0.1 s, jumping, or counting against the motor.
-            HeadStalledError: The motor is on and the head does not turn as it should.
+            HeadStalledError: The motor is on and the head does not turn as it should, or off and it goes on.
             InterlockError: The head has left its travel.
         """
         raw = self._encoder.take_samples()
@@ -117,6 +119,7 @@ class Carriage:
         if self._command is not None:
             self._refuse_disobedience(self._command, now_s)
         self._refuse_travel()
+        self._refuse_running_on(now_s)
         return samples
 
     def turn(self, ccw: bool, speed_step: int, buzzer: bool = False) -> None:
@@ -130,16 +133,19 @@ class Carriage:
         )
         self._interlock.request(outputs, at_rest=self.at_rest)
         speed = self.drive.speeds_rad_s[speed_step]
+        self._stands_by_s = None
         self._command = _Command(1.0 if ccw else -1.0, speed, self._clock.now_s(), self.theta_rad)
 
     def stop(self) -> None:
         """Switch motor and lasers off; the head turns on for a little while."""
-        self._command = None
+        self.forget_command()
         outputs = replace(self._interlock.outputs, motor_run=False, laser_right=False, laser_left=False)
         self._interlock.request(outputs, Purpose.MOVING)
 
     def forget_command(self) -> None:
         """The outputs were switched off elsewhere."""
+        if self._command is not None:
+            self._stands_by_s = self._clock.now_s() + _RUN_ON_S
         self._command = None
 
     def set_home(self, count_at_home: int, raw_count_at_home: float) -> None:
@@ -230,4 +236,16 @@ class Carriage:
             raise InterlockError(
                 f"the head is at {np.rad2deg(self.theta_rad):.1f} degrees, outside its travel of {np.rad2deg(low):.0f} "
                 f"to {np.rad2deg(high):.0f}, and was stopped; turn it back by hand and home it."
+            )
+
+    def _refuse_running_on(self, now_s: float) -> None:
+        if self._stands_by_s is None:
+            return
+        if self._stands():
+            self._stands_by_s = None
+        elif now_s > self._stands_by_s:
+            self._stands_by_s = None  # said once: afterwards somebody may turn it by hand
+            raise HeadStalledError(
+                f"the motor is off but the head has not come to rest within {_RUN_ON_S:g} s; switch the machine off at "
+                "its main switch and have the motor's drive checked."
             )

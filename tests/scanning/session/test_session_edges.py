@@ -319,3 +319,14 @@ def test_a_foot_beside_the_middle_is_said(bench: Bench, aside_mm: float, side: s
 
     assert len(said) == (side is not None)
     assert all(f"to the {side}" in sentence for sentence in said)
+
+
+def test_a_motor_that_runs_on_after_stop_is_a_fault_and_not_called_off(bench: Bench) -> None:
+    bench.ready()
+    scan_until(bench, 5)
+    speed_rad_s = float(np.deg2rad(30.0))
+    bench.world._asked_rad_s = lambda time_s: speed_rad_s  # type: ignore[method-assign]  # a welded relay
+    bench.session.post_cancel().wait(30)
+    bench.wait_until(lambda: bench.session.snapshot().state is State.FAULT)
+
+    assert "main switch" in bench.session.snapshot().message
