@@ -41,6 +41,7 @@ from footscan.workflow.scan import (
     refuse_used_folder,
     scan_folder,
 )
+from footscan.workflow.visit import Filing, file_scan
 
 FACES = "Is nobody's face at beam height, and may the lasers and the motor be switched on?"
 RigOption = Annotated[Path | None, typer.Option(help="Rig file; default: the simulated machine.")]
@@ -89,6 +90,14 @@ def scan_command(
         print_json(report)
     else:
         tell_results(report, folder / RESULTS)
+    if patient is not None:
+        _file(data, patient, folder)
+
+
+def _file(data: Path | None, patient: int, folder: Path) -> None:
+    with opened_store(data) as store:
+        take = file_scan(store, patient, folder, Filing(person(None)))
+    STDERR.print(f"Filed as take {take.id} of patient {patient}: see `footscan patients show {patient}`.")
 
 
 def _sweep(session: Session, settings: ScanSettings, calibration: Calibration, quiet: bool) -> None:
