@@ -13,7 +13,7 @@ import typer
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
 from footscan.cli.process import tell_results
-from footscan.cli.records_options import DataOption, opened_store
+from footscan.cli.records_options import DataOption, opened_store, person
 from footscan.config import Subject, load_calibration
 from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
