@@ -15,6 +15,7 @@ from footscan.config import (
     scanner_toml,
 )
 from footscan.config.recording_file import RecordingInfo, Subject
+from footscan.config.rig_file import load_rig
 from footscan.config.toml_file import write_whole
 from footscan.errors import ConfigError, StorageError
 
@@ -113,11 +114,16 @@ def test_a_file_without_a_format_has_no_kind(tmp_path):
 
 
 def test_every_shipped_design_loads_and_is_called_by_its_file():
-    designs = sorted((Path(__file__).parents[2] / "configs").glob("*.toml"))
+    files = sorted((Path(__file__).parents[2] / "configs").glob("*.toml"))
+    designs = [path for path in files if file_kind(path) == "scanner"]
+    rigs = [path for path in files if path not in designs]
 
-    assert {path.stem for path in designs} >= {"prototype", "usb3-1440"}
+    assert {path.stem for path in designs} == {"prototype", "usb3-1440"}
+    assert {path.stem for path in rigs} >= {"sim", "rig-qsb-adam", "rig-dcon", "rig-emulated"}
     for path in designs:
         assert load_scanner(path).name == path.stem
+    for path in rigs:
+        assert load_rig(path).profile(None).name == "standard"
 
 
 def test_the_modern_design_sees_a_foot_finer_than_the_prototype():
