@@ -29,13 +29,13 @@ from footscan.workflow.designs import builtin_rig
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings
 from footscan.workflow.scan import (
-    CALIBRATION,
     RECORDING,
     RESULTS,
     ScanSettings,
     find_scans,
     measure_recorded,
     prepare_machine,
+    process_words,
     record_scan,
     refuse_findings,
     refuse_used_folder,
@@ -117,13 +117,8 @@ def _what_is_kept(folder: Path) -> Generator[None]:
         yield
     except (FootscanError, KeyboardInterrupt):
         if any((folder / RECORDING / "frames").glob("*.png")):
-            STDERR.print(f"What was captured is in {folder}; measure it with: {_process_command(folder)}")
+            STDERR.print(f"What was captured is in {folder}; measure it with: {shlex.join(process_words(folder))}")
         raise
-
-
-def _process_command(folder: Path) -> str:
-    words = (folder / RECORDING, "--calibration", folder / CALIBRATION, "--out", folder / RESULTS)
-    return f"footscan process {shlex.join(str(word) for word in words)}"
 
 
 def chosen_rig(path: Path | None, fast: bool) -> Rig:
@@ -181,7 +176,7 @@ def scans_command(data: DataOption = None, json_only: Annotated[bool, typer.Opti
         if item.trouble:
             STDOUT.print(f"  cannot be read: {item.trouble}")
         elif not item.processed:
-            STDOUT.print(f"  not processed yet: {_process_command(item.folder)}")
+            STDOUT.print(f"  not processed yet: {shlex.join(process_words(item.folder))}")
 
 
 def _profile(rig: Rig, name: str | None) -> Any:

@@ -158,6 +158,17 @@ def _stored(folder: Path) -> StoredScan:
     return StoredScan(folder, info.side, info.created, len(recording.frames), finished, processed)
 
 
+def process_words(folder: Path) -> list[str]:
+    """The command that measures a scan, whole or broken off in its first sweep, when only one laser was on."""
+    words = ["footscan", "process", str(folder / RECORDING), "--calibration", str(folder / CALIBRATION)]
+    words += ["--out", str(folder / RESULTS)]
+    try:
+        lasers = {record.laser for record in open_recording(folder / RECORDING).frames} - {"none"}
+    except FootscanError:
+        return words
+    return [*words, "--one-laser"] if len(lasers) == 1 else words
+
+
 def scan_folder(scans: Path, side: Side, moment: datetime | None = None) -> Path:
     """A new folder `<YYYYmmdd-HHMMSS>-<side>`; a second scan in the same second gets a number."""
     stem = f"{(moment or datetime.now(UTC)).strftime('%Y%m%d-%H%M%S')}-{side}"
