@@ -35,6 +35,7 @@ bench: $(STAMP)
 
 drill: $(STAMP)
 	$(BIN)/footscan drill --rounds 3
+	$(BIN)/footscan drill --rig configs/rig-emulated.toml
 	$(BIN)/footscan drill records
 	$(BIN)/footscan study motion --scans 40
 

@@ -1,6 +1,6 @@
 """The only module that chooses real, emulated or simulated devices, by what a rig file says."""
 
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from footscan.config.device_models import (
     SimulatedCamera,
     SimulatedEncoder,
     SimulatedIo,
+    V4l2CameraModel,
     WorldModel,
 )
 from footscan.config.rig_file import Rig
@@ -30,7 +31,9 @@ from footscan.scanning.session.control import RigDevices, Session, SessionSetup,
 from footscan.sim.calibration_run import stand_board
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder
+from footscan.sim.emulators.capture import Abilities
 from footscan.sim.emulators.emulated_rig import EmulatedRig
+from footscan.sim.emulators.server import RemoteCapture
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
@@ -40,6 +43,7 @@ from footscan.sim.standing import BoardStanding, Standing
 from footscan.sim.world import World, WorldSettings
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import build_tables
+from footscan.workflow.served_rig import ServedRig, served_rig
 
 _PERSONS: dict[str, PersonSettings] = {"statue": STATUE, "calm": CALM, "restless": RESTLESS}
 _HOME_PLAY_RAD = np.deg2rad(0.3)
@@ -59,14 +63,16 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
     clock: Clock = VirtualClock() if model is not None and model.time == "fast" else MonotonicClock()
     if model is None:
         with ExitStack() as opening:
-            return OpenedRig(rig, _open_devices(rig, rig.devices, clock, None, open_capture, opening), None, None)
+            return OpenedRig(
+                rig, _open_devices(rig, rig.devices, clock, None, capture_opener(rig), opening), None, None
+            )
     world = build_world(rig, side, clock)
     with ExitStack() as opening:
         emulated = EmulatedRig(world, rig.devices, rig.motion.frames_per_s) if rig.devices.emulated else None
         if emulated is not None:
             opening.callback(emulated.close)
         models = rig.devices if emulated is None else emulated.devices
-        opener = open_capture if emulated is None or emulated.camera is None else emulated.open_capture
+        opener = capture_opener(rig) if emulated is None or emulated.camera is None else emulated.open_capture
         devices = _open_devices(rig, models, clock, world, opener, opening)
         give_back = (lambda: None) if emulated is None else emulated.close
         return OpenedRig(
@@ -87,6 +93,26 @@ def emulators(rig: Rig) -> EmulatedRig:
         ConfigError: The rig has no world they could live in.
     """
     return EmulatedRig(build_world(rig, "left", MonotonicClock()), rig.devices, rig.motion.frames_per_s)
+
+
+def serve_emulators(rig: Rig, folder: Path) -> AbstractContextManager[ServedRig]:
+    """The emulators of a rig behind fixed links in a folder, for another program.
+
+    Raises:
+        ConfigError: Nothing in the rig is emulated, or something in it is simulated.
+        StorageError: The folder cannot hold links and sockets.
+    """
+    return served_rig(rig, build_world(rig, "left", MonotonicClock()), folder)
+
+
+def capture_opener(rig: Rig) -> OpenCapture:
+    """What opens a rig's V4L2 camera: OpenCV, or a client of the emulated one that `footscan emulate` serves."""
+    camera = rig.devices.camera
+    if not isinstance(camera, V4l2CameraModel) or not Path(camera.path).is_socket():
+        return open_capture
+    view = camera_view(rig)
+    size = (view.width_px, view.height_px * camera.rows_per_row)
+    return RemoteCapture(Abilities((size,), (view.frames_per_s,)))
 
 
 def camera_view(rig: Rig) -> View:

@@ -12,7 +12,6 @@ from footscan.cli.records_options import DataOption
 from footscan.cli.scan import RigOption, chosen_rig
 from footscan.config.rig_file import Rig
 from footscan.devices.diagnosis import Finding
-from footscan.devices.v4l2_camera import open_capture
 from footscan.errors import DeviceError
 from footscan.records.data_folder import SCANS, data_folder
 from footscan.workflow.doctor import examine_computer, examine_drivers, examine_open_devices
@@ -55,7 +54,7 @@ def _devices(rig: Rig) -> Iterator[Finding]:
         with closing(rig_app.emulators(rig)) as emulated:
             yield from examine_drivers(emulated.devices, rig, rig_app.camera_view(rig), emulated.open_capture)
     elif not rig.devices.simulated:
-        yield from examine_drivers(rig.devices, rig, rig_app.camera_view(rig), open_capture)
+        yield from examine_drivers(rig.devices, rig, rig_app.camera_view(rig), rig_app.capture_opener(rig))
     else:
         opened = rig_app.open_rig(rig)
         with closing(opened.devices.camera), closing(opened.devices.encoder), closing(opened.devices.io):

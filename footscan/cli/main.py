@@ -11,6 +11,7 @@ from footscan.cli.bench import bench_app
 from footscan.cli.calibrate import accept, board, calibrate, calibration_app
 from footscan.cli.doctor import doctor
 from footscan.cli.drill import drill_app
+from footscan.cli.emulate import emulate
 from footscan.cli.info import info
 from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
@@ -34,6 +35,7 @@ app.command("section")(section_command)
 app.command("scan")(scan_command)
 app.command("scans")(scans_command)
 app.command()(doctor)
+app.command()(emulate)
 app.command()(simulate)
 app.command()(board)
 app.command()(board)

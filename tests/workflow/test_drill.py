@@ -9,7 +9,8 @@ from footscan import app
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.control import SessionSetup
 from footscan.workflow.designs import builtin_rig
-from footscan.workflow.drill import CASES, TARGET_S, Drill
+from footscan.workflow.drill import CASES, Drill
+from footscan.workflow.drill_result import TARGET_S
 from footscan.workflow.process import build_tables
 from footscan.workflow.scan import find_scans
 from tests.scanning.session.conftest import small_rig
@@ -19,7 +20,7 @@ def small_drill(folder: Path, seed: int) -> Drill:
     rig = small_rig()
     calibration = app.true_machine(rig).calibration
     setup = SessionSetup(rig.scanner, rig.motion, calibration, build_tables(calibration))
-    return Drill(rig, app.open_rig, setup, seed, folder)
+    return Drill(rig, app.open_rig, app.serve_emulators, setup, seed, folder)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_a_killed_program_leaves_a_dark_machine_and_a_readable_scan(tmp_path: Pa
         small_drill(tmp_path, seed=4), rig=rig, setup=SessionSetup(rig.scanner, rig.motion, calibration, None)
     )
     (result,) = drill.run(("kill -9",))
-    (stored,) = find_scans(tmp_path)
+    (stored,) = find_scans(tmp_path / "kill--9")
 
     assert 0.0 <= result.off_after_s <= TARGET_S
     assert result.kept >= 10

@@ -17,9 +17,20 @@ import numpy as np
 
 from footscan.coordinates import Frame
 from footscan.sim.emulators.capture import Abilities, EmulatedCameraPlug, EmulatedCapture
-from footscan.sim.emulators.emulated_rig import FAULTS, EmulatedRig
-from footscan.sim.world import World
+from footscan.sim.emulators.emulated_rig import FAULTS, EmulatedRig, Fault
+from footscan.sim.world import Trouble, World
 
+WORLD_FAULTS: tuple[Trouble, ...] = (
+    "encoder-jump",
+    "stall",
+    "wrong-way",
+    "estop",
+    "right-laser-dead",
+    "left-laser-dead",
+)
+"""What happens to the machine itself and not to a device or its cable."""
+_DEVICE_FAULTS: dict[str, Fault] = {fault: fault for fault in FAULTS}
+_TROUBLES: dict[str, Trouble] = {trouble: trouble for trouble in WORLD_FAULTS}
 CAMERA, CONTROL = "camera", "control"
 _STAMP = struct.Struct("<d")
 _SHAPE = struct.Struct("<HH")
@@ -49,6 +60,47 @@ class EmulatorServer:
             listener.close()
             (self._folder / name).unlink(missing_ok=True)
         self._rig.close()
+
+    def obey(self, line: str) -> dict[str, Any]:
+        """One command: `inject FAULT`, `mend`, `state` or `end`; returns what the machine is doing.
+
+        Raises:
+            ValueError: It is no command, or the rig has no such emulated device.
+        """
+        words = line.split()
+        match words:
+            case ["inject", name]:
+                self._inject(name)
+            case ["mend"]:
+                self._rig.mend()
+                for trouble in WORLD_FAULTS:
+                    self._world.mend(trouble)
+            case ["state"]:
+                pass
+            case ["end"]:
+                self._ending.set()
+            case _:
+                raise ValueError(f"{line.strip()!r} is none of inject FAULT, mend, state, end")
+        return self._state()
+
+    def _inject(self, name: str) -> None:
+        fault, trouble = _DEVICE_FAULTS.get(name), _TROUBLES.get(name)
+        if fault is not None:
+            self._rig.inject(fault)
+        elif trouble is not None:
+            self._world.inject(trouble)
+        else:
+            raise ValueError(f"{name!r} is no fault; there are {', '.join((*FAULTS, *WORLD_FAULTS))}")
+
+    def _state(self) -> dict[str, Any]:
+        outputs, now_s = self._world.outputs(), time.monotonic()
+        return {
+            "now_s": now_s,
+            "off_since_s": self._world.off_since_s,
+            "lasers": list(outputs.lasers),
+            "motor": outputs.motor_run,
+            "theta_deg": float(np.rad2deg(self._world.theta_at(np.array([now_s]))[0])),
+        }
 
     def _listen(self, name: str, serve: Callable[[socket.socket], None]) -> socket.socket:
         path = self._folder / name
@@ -87,22 +139,14 @@ class EmulatorServer:
     def _serve_control(self, connection: socket.socket) -> None:
         with connection.makefile("rw") as lines:
             for line in lines:
-                lines.write(json.dumps(self._obeyed(line.split())) + "\n")
+                lines.write(json.dumps(self._obeyed(line)) + "\n")
                 lines.flush()
-                if line.split() == ["end"]:
-                    self._ending.set()
 
-    def _obeyed(self, words: list[str]) -> dict[str, Any]:
-        match words:
-            case ["inject", fault] if fault in FAULTS:
-                self._rig.inject(fault)
-            case ["mend"]:
-                self._rig.mend()
-            case ["state"] | ["end"]:
-                pass
-            case _:
-                return {"error": f"{' '.join(words)!r} is none of state, mend, end, inject {'|'.join(FAULTS)}"}
-        return {"now_s": time.monotonic(), "off_since_s": self._world.off_since_s}
+    def _obeyed(self, line: str) -> dict[str, Any]:
+        try:
+            return self.obey(line)
+        except ValueError as err:
+            return {"error": str(err)}
 
 
 class RemoteCapture:
