@@ -228,7 +228,9 @@ class World:
 
     def _note_light(self, time_s: float) -> None:
         outputs = self._effective(time_s)
-        shining = tuple(name for name in outputs.lasers if not self.suffers(_DEAD_LASER[name], time_s))
+        shining: tuple[LaserName, ...] = tuple(
+            name for name in outputs.lasers if not self.suffers(_DEAD_LASER[name], time_s)
+        )
         if shining != self._light[-1].lasers:
             self._light = [*self._light[-_LIGHT_KEPT:], LightChange(time_s, shining)]
         if outputs.dangerous:

@@ -19,7 +19,7 @@ class OpenedRig:
         devices: To be given to a `Session`, which closes them.
         world: What the simulated devices live in; None on a real machine.
         put_on_board: Lets another foot step onto the simulated board; None on a real machine.
-        put_calibration_board: Puts the printed board at one of its placements, or (None) clears the simulated footboard.
+        put_calibration_board: Puts the printed board at a placement; None clears the simulated footboard.
         emulated: Emulators behind ports, if the rig has any.
         give_back: To be called once the session is closed.
     """

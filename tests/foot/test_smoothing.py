@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from tests.foot.smooth_foot_cloud import FootCloud, distance_mm, foot_cloud
 
 from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_surface
 from footscan.foot.surface import FootSurface, fit_foot_surface
+from tests.foot.smooth_foot_cloud import FootCloud, distance_mm, foot_cloud
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 import trimesh
-from tests.foot.smooth_foot_cloud import LENGTH_MM, LOWEST_SEEN_MM, FootCloud, distance_mm, foot_cloud, turned
 
 from footscan.errors import EmptyScanError, MeshError
 from footscan.foot.skin_origin import Origin
@@ -9,6 +8,7 @@ from footscan.foot.surface import FootSurface, SurfaceSettings, fit_foot_surface
 from footscan.foot.surface_cut import find_leg_cut
 from footscan.foot.surface_files import load_surface_ply, save_surface_ply, save_surface_stl
 from footscan.foot.surface_mesh import mesh_from_surface
+from tests.foot.smooth_foot_cloud import LENGTH_MM, LOWEST_SEEN_MM, FootCloud, distance_mm, foot_cloud, turned
 
 
 @pytest.fixture(scope="module")
