@@ -32,6 +32,7 @@ _HUBER = 1.5
 _LEAST_SCALE_PX = 0.005
 _ROUNDS = 40
 _SETTLED = 0.01
+CORNERS_GROUPS = (0, 1)
 GROUP_NAMES = (
     "corners_at_stops",
     "corners_moving",

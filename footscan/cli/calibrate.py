@@ -5,11 +5,15 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.table import Table
 
 from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
 from footscan.calibration.joint import Choices
 from footscan.calibration.quality import quality_lines
+from footscan.cli.calibrate_rig import GuidedChoices, record_guided
 from footscan.cli.console import STDOUT, print_json, progress_bar
+from footscan.cli.scan import chosen_rig
+from footscan.cli.study import study_app
 from footscan.config import Board, board_toml, load_calibration, load_calibration_record
 from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, QualityError
@@ -17,6 +21,8 @@ from footscan.records.data_folder import data_folder
 from footscan.workflow.accept import accept_recording, save_acceptance, summary_lines
 from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
 from footscan.workflow.calibration_log import in_force_path, machines, read_log, reminders, zone_trends
+from footscan.workflow.calibration_study import run_study, save_plot, study_table
+from footscan.workflow.designs import builtin_scanner
 
 calibration_app = typer.Typer(help="What is known of calibrations in force.", no_args_is_help=True)
 
@@ -29,8 +35,16 @@ def _calibration() -> None:
 
 
 def calibrate(
-    recording: Annotated[Path, typer.Argument(help="Folder of a calibration recording.")],
+    recording: Annotated[
+        Path, typer.Argument(help="Folder of a calibration recording; with --rig the folder to record into.")
+    ],
     out: Annotated[Path, typer.Option(help="calibration.toml to write; a refusal leaves it as it is.")],
+    rig: Annotated[Path | None, typer.Option(help="Record first, at this machine: you place the board.")] = None,
+    board_file: Annotated[Path | None, typer.Option("--board", help="board.toml of the board used at the rig.")] = None,
+    stops: Annotated[int, typer.Option(help="Head angles per placement.", min=8, max=120)] = 16,
+    placements: Annotated[int, typer.Option(help="Placements at most.", min=4, max=30)] = 8,
+    yes: Annotated[bool, typer.Option("--yes", help="I have looked: no face is at beam height.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Simulated machine: do not wait for the wall clock.")] = False,
     measured_x: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a row.")] = None,
     measured_y: Annotated[float | None, typer.Option(help=f"{_MEASURED} Along a column.")] = None,
     horizontal_scale: Annotated[
@@ -43,6 +57,8 @@ def calibrate(
     json_only: Annotated[bool, typer.Option("--json", help="Print the [quality] table and nothing else.")] = False,
 ) -> None:
     """Find camera, lasers, axis and latency from a calibration recording; exit status 4 when a gate refuses them."""
+    if rig is not None:
+        record_guided(chosen_rig(rig, fast), recording, GuidedChoices(board_file, stops, placements, yes))
     if (measured_x is None) != (measured_y is None):
         raise InputError("one measured length of the board was given; give both, --measured-x and --measured-y.")
     measured = None if measured_x is None or measured_y is None else (measured_x, measured_y)
@@ -156,3 +172,25 @@ def _tell_history(name: str, entry: dict[str, Any]) -> None:
         STDOUT.print(f"  {zone:8} right minus left over {trend['scans']} still scans: {values} mm")
     for note in entry["reminders"]:
         STDOUT.print(f"  Reminder: {note}")
+
+
+@study_app.command("calibration")
+def study_calibration(
+    plot: Annotated[Path | None, typer.Option(help="PNG to draw both studies into.")] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """RMS 3-D error against the number of control points and against image noise (the paper's Part II), synthetic."""
+    with progress_bar("figures", quiet=json_only) as progress:
+        points = run_study(builtin_scanner("prototype"), progress)
+    if plot is not None:
+        save_plot(points, plot)
+    if json_only:
+        print_json({"points": study_table(points)})
+        return
+    table = Table(title="RMS 3-D error in the working volume, mm")
+    for column in ("method", "control points a view", "image noise (px)", "RMS (mm)", "trials"):
+        table.add_column(column, justify="right")
+    for point in points:
+        numbers = (str(point.control_points), f"{point.noise_px:g}", f"{point.rms_mm:.4f}", str(point.trials))
+        table.add_row(point.method, *numbers)
+    STDOUT.print(table)
