@@ -49,7 +49,7 @@ def area_interval_mm2(shell: Shell, value_mm2: float) -> tuple[float, float]:
     across = abs(float(_shadow_mm2(shell, assumed).sum()))
     low = value_mm2 - float(area[assumed].sum()) + across
     beside = max(-float(_shadow_mm2(shell, edge).sum()), 0.0)
-    high = value_mm2 - float(area[edge].sum()) + beside + _walls_mm2(shell, assumed)
+    high = value_mm2 - float(area[edge].sum()) + beside + _walls_mm2(shell)
     return min(low, value_mm2) * (1.0 - AREA_SHARE), max(high, value_mm2) * (1.0 + AREA_SHARE)
 
 
@@ -71,17 +71,18 @@ def _bridged_faces(shell: Shell) -> Bools:
     return np.asarray(bridged[shell.faces].any(axis=1), dtype=np.bool_)
 
 
-def _rim_edges(shell: Shell, assumed: Bools) -> Ints:
-    """Edges `(k, 2)` where the assumed faces end."""
-    edges = np.sort(shell.faces[assumed][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    keys, uses = np.unique(edges[:, 0] * len(shell.xyz) + edges[:, 1], return_counts=True)
-    rim = keys[uses == 1]
-    return np.stack([rim // len(shell.xyz), rim % len(shell.xyz)], axis=1)
+def _rim_edges(shell: Shell) -> Ints:
+    """Edges `(k, 2)` of the lowest skin that is not assumed: those that face a single assumed vertex."""
+    low = _assumed(shell)[shell.faces]
+    beside = low.sum(axis=1) == 1
+    alone, rows = low[beside].argmax(axis=1), np.arange(int(beside.sum()))
+    faces = shell.faces[beside]
+    return np.stack([faces[rows, (alone + 1) % 3], faces[rows, (alone + 2) % 3]], axis=1)
 
 
 def _lifted(shell: Shell) -> Shell:
     """The shell with its assumed skin lifted to the height of the nearest lowest skin that is not assumed."""
-    rim = np.unique(_rim_edges(shell, _assumed_faces(shell)))
+    rim = np.unique(_rim_edges(shell))
     low = _assumed(shell)
     if len(rim) == 0 or not low.any():
         return shell
@@ -103,7 +104,7 @@ def _below_walls_mm3(shell: Shell, assumed: Bools) -> float:
     return float((np.maximum(-_shadow_mm2(shell, assumed), 0.0) * height).sum())
 
 
-def _walls_mm2(shell: Shell, assumed: Bools) -> float:
+def _walls_mm2(shell: Shell) -> float:
     """Area of vertical walls below the lowest skin that is not assumed."""
-    ends = shell.xyz[_rim_edges(shell, assumed)]
+    ends = shell.xyz[_rim_edges(shell)]
     return float((np.linalg.norm(ends[:, 1, :2] - ends[:, 0, :2], axis=1) * ends[:, :, 2].mean(axis=1)).sum())
