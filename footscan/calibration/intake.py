@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from footscan.calibration.charuco import BoardCorners, BoardFinder, corners_mm, why_not_found
-from footscan.calibration.sightings import Corners, FrameTimes
+from footscan.calibration.sightings import Corners, FrameTimes, resting_counts
 from footscan.config import Board
-from footscan.coordinates import LASER_NAMES, Bools, Floats, Frame, pixel_from_uv
+from footscan.coordinates import LASER_NAMES, Bools, Frame, pixel_from_uv
 from footscan.errors import RecordingError
 from footscan.scanning.angles import frame_angles
 from footscan.scanning.frames import UnusableFrameError, read_frame
@@ -194,7 +194,7 @@ def _known_angle(recording: Recording) -> Bools:
 def _pairs(recording: Recording, names: tuple[str, ...]) -> tuple[tuple[int, int], ...]:
     """Each lit frame at a stop with the unlit one of the same setup and count that is nearest in time."""
     time_s = np.array([record.time_s for record in recording.frames])
-    count: Floats = np.interp(time_s, recording.encoder.time_s, recording.encoder.count)
+    count = resting_counts(time_s, recording.encoder)
     unlit: dict[str, list[int]] = {}
     for k, record in enumerate(recording.frames):
         if record.laser == "none" and record.sweep == "static":

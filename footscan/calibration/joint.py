@@ -18,7 +18,7 @@ from footscan.geometry.plane import fit_plane
 from footscan.optics import LightPlane
 from footscan.optics.calibration import Calibration, camera_from_world
 
-CORNERS_ONLY = Unknowns((*CAMERA, "phi_rad", "sigma_rad", "t_x_mm", "t_y_mm", "latency_s"))
+CORNERS_ONLY = Unknowns((*CAMERA, "phi_rad", "sigma_rad", "t_x_mm", "t_y_mm", "latency_s", *ENCODER))
 """Without the footboard the height of W's origin is unknown: t_z stays."""
 _WITHOUT_K2 = tuple(name for name in EVERYTHING.machine if name != "k2_per_mm4")
 _TRIALS = 400
@@ -176,23 +176,33 @@ def _fit_and_choose(
 ) -> tuple[Fit, tuple[str, ...]]:
     """Fit, then keep K2, eccentricity and horizontal scale only where the data show them."""
     asked = ("horizontal_scale",) if choices.horizontal_scale else ()
-    fit = fit_estimate(start, sightings, Unknowns((*EVERYTHING.machine, *asked)))
+    turned = ENCODER if choices.eccentricity else ()
+    start = start if turned else _centred(start)
+    fit = fit_estimate(start, sightings, Unknowns((*EVERYTHING.machine, *asked, *turned)))
     decisions: list[str] = []
+    if turned and not _eccentricity_shown(fit):
+        turned = ()
+        fit = fit_estimate(_centred(fit.estimate), sightings, Unknowns((*EVERYTHING.machine, *asked)))
     if not _k2_observable(fit):
         decisions.append("K2 is not observable in these pictures and stays as designed")
         kept = replace(fit.estimate.machine.camera, k2_per_mm4=designed_k2)
         again = replace(fit.estimate, machine=replace(fit.estimate.machine, camera=kept))
-        fit = fit_estimate(again, sightings, Unknowns((*_WITHOUT_K2, *asked)))
+        fit = fit_estimate(again, sightings, Unknowns((*_WITHOUT_K2, *asked, *turned)))
     if asked:
         decisions.append("horizontal scale estimated as asked for")
     if choices.eccentricity:
-        turned = fit_estimate(fit.estimate, sightings, Unknowns((*fit.unknowns.machine, *ENCODER)))
-        if _eccentricity_shown(turned):
-            decisions.append("eccentricity of the encoder disc estimated")
-            fit = turned
-        else:
-            decisions.append("no eccentricity of the encoder disc can be seen")
+        decisions.append(
+            "eccentricity of the encoder disc estimated"
+            if turned
+            else "no eccentricity of the encoder disc can be seen"
+        )
     return fit, tuple(decisions)
+
+
+def _centred(estimate: Estimate) -> Estimate:
+    """The same estimate with an encoder disc that sits on its centre."""
+    encoder = replace(estimate.machine.encoder, eccentricity_rad=0.0, eccentricity_phase_rad=0.0)
+    return replace(estimate, machine=replace(estimate.machine, encoder=encoder))
 
 
 def _k2_observable(fit: Fit) -> bool:

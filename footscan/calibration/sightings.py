@@ -10,6 +10,12 @@ from footscan.scanning.recording import EncoderTrack
 FLOOR_PLACEMENT = -1
 
 
+def resting_counts(time_s: Floats, track: EncoderTrack) -> Floats:
+    """The count `(m,)` of the encoder sample nearest to each time."""
+    middle = 0.5 * (track.time_s[1:] + track.time_s[:-1])
+    return track.count[np.searchsorted(middle, time_s)]
+
+
 @dataclass(frozen=True)
 class FrameTimes:
     """`(m,)` times of the frames that sightings refer to, which of them moved, and the encoder's own samples."""
@@ -19,9 +25,12 @@ class FrameTimes:
     track: EncoderTrack
 
     def counts(self, latency_s: float) -> Floats:
-        """Interpolated counts `(m,)` at the frames' times minus the latency; at a stop the latency does not matter."""
-        exposed_s = np.where(self.moving, self.time_s - latency_s, self.time_s)
-        return np.interp(exposed_s, self.track.time_s, self.track.count)
+        """Counts `(m,)`: interpolated at the frames' times minus the latency; at a stop that of the nearest sample.
+
+        A late stamp of a stop's last frame may lie after the stop's last sample, when the head already turns on.
+        """
+        turning = np.interp(self.time_s - latency_s, self.track.time_s, self.track.count)
+        return np.where(self.moving, turning, resting_counts(self.time_s, self.track))
 
 
 @dataclass(frozen=True)

@@ -125,7 +125,9 @@ def save_acceptance(acceptance: Acceptance, folder: Path) -> None:
     """
     write_whole(folder / "acceptance.json", (json.dumps(acceptance.report, indent=1) + "\n").encode())
     title = f"Acceptance: {acceptance.of_what}"
-    write_whole(folder / "acceptance.pdf", draw_page(title, acceptance.parts, summary_lines(acceptance)))
+    report = acceptance.report
+    of = f"machine {report['machine_id']}, calibration {report['calibration_sha256'][:12]}, made {report['made_at']}"
+    write_whole(folder / "acceptance.pdf", draw_page(title, acceptance.parts, [*summary_lines(acceptance), of]))
     if acceptance.broken:
         raise QualityError(f"not accepted ({acceptance.of_what}): {'; '.join(acceptance.broken)}.")
 
