@@ -13,7 +13,7 @@ from footscan.config.rig_file import Rig
 from footscan.config.toml_file import read_toml, toml_bytes, write_whole
 from footscan.errors import ConfigError, StorageError
 from footscan.sim.emulators.emulated_rig import EmulatedRig
-from footscan.sim.emulators.server import CAMERA, EmulatorServer
+from footscan.sim.emulators.server import CAMERA, EmulatorServer, ask
 from footscan.sim.world import World
 
 RIG_FILE, CALIBRATION_FILE = "rig.toml", "calibration.toml"
@@ -46,10 +46,11 @@ def served_rig(rig: Rig, world: World, folder: Path) -> Generator[ServedRig]:
 
     Raises:
         ConfigError: Nothing in the rig is emulated, or something in it is simulated and lives in one program only.
-        StorageError: The folder cannot hold links and sockets.
+        StorageError: The folder cannot hold links and sockets, or another machine is served there.
     """
     _refuse_other_rigs(rig)
     folder = folder.absolute()
+    _refuse_second(folder)
     emulated, server = _switched_on(rig, world, folder)
     try:
         places = _places(rig, folder)
@@ -86,6 +87,14 @@ def _places(rig: Rig, folder: Path) -> dict[str, tuple[str, Path]]:
     if isinstance(io, AdamModel) and io.port == EMULATED:
         places["io"] = ("port", folder / "io")
     return places
+
+
+def _refuse_second(folder: Path) -> None:
+    try:
+        ask(folder, "state")
+    except OSError:
+        return  # nobody is there
+    raise StorageError(f"another machine is served in {folder} already; end it, or choose another folder.")
 
 
 def _refuse_other_rigs(rig: Rig) -> None:

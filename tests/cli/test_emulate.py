@@ -2,13 +2,15 @@
 
 from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
+from footscan import app as rig_app
 from footscan.cli.main import app
 from footscan.config import load_calibration
 from footscan.config.io_models import AdamModel
 from footscan.config.rig_file import load_rig
-from footscan.errors import ConfigError
+from footscan.errors import ConfigError, StorageError
 from footscan.workflow.designs import builtin_config
 
 
@@ -38,3 +40,15 @@ def test_a_rig_without_emulated_devices_is_refused():
 
     assert isinstance(result.exception, ConfigError)
     assert "emulated" in str(result.exception)
+
+
+def test_a_second_machine_in_the_same_folder_is_refused(tmp_path: Path):
+    rig = load_rig(builtin_config("rig-emulated"))
+    with (
+        rig_app.serve_emulators(rig, tmp_path / "machine"),
+        pytest.raises(StorageError, match="another machine is served"),
+        rig_app.serve_emulators(rig, tmp_path / "machine"),
+    ):
+        pass
+
+    assert not list((tmp_path / "machine").glob("io"))
