@@ -17,6 +17,7 @@ from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
 from footscan.cli.process import process
 from footscan.cli.scan import scan_command, scans_command
+from footscan.cli.serve import serve
 from footscan.cli.simulate import demo, simulate
 from footscan.cli.study import study_app
 from footscan.errors import FootscanError
@@ -28,6 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+app.command()(serve)
 app.command()(process)
 app.command()(info)
 app.command("measure")(measure_command)
@@ -38,9 +40,7 @@ app.command()(doctor)
 app.command()(emulate)
 app.command()(simulate)
 app.command()(board)
-app.command()(board)
 app.command()(calibrate)
-app.command()(accept)
 app.command()(accept)
 app.command()(demo)
 app.add_typer(bench_app, name="bench")

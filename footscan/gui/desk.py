@@ -1,0 +1,132 @@
+"""The desk: one thread changes the state of the page, one other does what takes long; browsers only post."""
+
+import logging
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from footscan.errors import FootscanError
+from footscan.gui import texts
+from footscan.gui.state import Job, PageState
+
+Command = Callable[[], None]
+Tell = Callable[[str, str, bool], None]
+"""Title, body, and whether something went wrong: said to whoever controls."""
+Progress = Callable[[int, int], None]
+Made = TypeVar("Made")
+_LOG = logging.getLogger(__name__)
+
+
+class Desk:
+    """Commands are done one after the other, in the order in which they came.
+
+    Attributes:
+        state: What the page shows; replaced, never changed.
+    """
+
+    def __init__(self, tell: Tell) -> None:
+        self.state = PageState()
+        self._tell = tell
+        self._commands: queue.Queue[Command | None] = queue.Queue()
+        self._jobs: queue.Queue[Command | None] = queue.Queue()
+        self._listeners: list[Callable[[PageState], None]] = []
+        self._threads = [
+            threading.Thread(name="desk", target=self._work, args=(self._commands,), daemon=True),
+            threading.Thread(name="jobs", target=self._work, args=(self._jobs,), daemon=True),
+        ]
+
+    def start(self) -> None:
+        """Let both threads run."""
+        for thread in self._threads:
+            thread.start()
+
+    def close(self) -> None:
+        """End both threads once their queues are empty; safe to call twice."""
+        for waiting, thread in ((self._jobs, self._threads[1]), (self._commands, self._threads[0])):
+            waiting.put(None)
+            if thread.is_alive():
+                thread.join(30.0)
+
+    def listen(self, show: Callable[[PageState], None]) -> None:
+        """Call this with every new state, on the desk's thread."""
+        self._listeners.append(show)
+
+    def post(self, command: Command) -> None:
+        """Do this on the desk's thread, soon; any thread."""
+        self._commands.put(command)
+
+    def change(self, **values: Any) -> None:
+        """Replace parts of the state and show it; on the desk's thread only."""
+        self.state = replace(self.state, **values)
+        for show in self._listeners:
+            show(self.state)
+
+    def say(self, title: str, body: str, wrong: bool = False) -> None:
+        """Tell whoever controls."""
+        self._tell(title, body, wrong)
+
+    def job(
+        self,
+        words: str,
+        work: Callable[[Progress], Made],
+        then: Callable[[Made], None],
+        failed: Callable[[FootscanError], None] | None = None,
+    ) -> bool:
+        """Do something long on the other thread; False when something else is running.
+
+        Args:
+            words: What it is, for the progress bar.
+            work: Called with a progress callback, on the jobs' thread.
+            then: Called with what was made, on the desk's thread.
+            failed: Called with a refusal, on the desk's thread; None only says it.
+        """
+        if self.state.job is not None:
+            self.say(texts.WORKING, texts.BUSY, wrong=True)
+            return False
+        self.change(job=Job(words))
+        self._jobs.put(lambda: self._do(words, work, then, failed))
+        return True
+
+    def _do(
+        self,
+        words: str,
+        work: Callable[[Progress], Made],
+        then: Callable[[Made], None],
+        failed: Callable[[FootscanError], None] | None,
+    ) -> None:
+        try:
+            made = work(lambda done, total: self.post(lambda: self._progress(Job(words, done, total))))
+        except FootscanError as err:
+            self.post(lambda err=err: self._end(lambda: self._failed(err, failed)))
+        except Exception as err:  # noqa: BLE001 - the page goes on, and says so
+            _LOG.exception("job %r", words)
+            what = type(err).__name__
+            self.post(lambda: self._end(lambda: self.say(texts.FAILED, texts.INTERNAL.format(what=what), wrong=True)))
+        else:
+            self.post(lambda: self._end(lambda: then(made)))
+
+    def _progress(self, job: Job) -> None:
+        if self.state.job is not None:
+            self.change(job=job)
+
+    def _end(self, command: Command) -> None:
+        self.change(job=None)
+        command()
+
+    def _failed(self, err: FootscanError, failed: Callable[[FootscanError], None] | None) -> None:
+        if failed is None:
+            self.say(texts.FAILED, str(err), wrong=True)
+        else:
+            failed(err)
+
+    def _work(self, waiting: "queue.Queue[Command | None]") -> None:
+        while (command := waiting.get()) is not None:
+            try:
+                command()
+            except FootscanError as err:
+                self.say(texts.FAILED, str(err), wrong=True)
+            except Exception as err:  # noqa: BLE001 - one command must not end the page
+                _LOG.exception("command of the page")
+                self.say(texts.FAILED, texts.INTERNAL.format(what=type(err).__name__), wrong=True)

@@ -1,0 +1,103 @@
+"""A foot as the Inspect tab looks at it: mesh with its classes, shell for cuts, axis, measurements, files."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from footscan.coordinates import Floats
+from footscan.errors import InputError
+from footscan.foot.sections import Section, measure_cut, plane_axes
+from footscan.foot.shell import Shell, shell_from_mesh
+from footscan.foot.surface_files import load_surface_ply
+from footscan.gui.station import Station
+from footscan.records import Take
+
+_HEIGHT_MM = 30.0
+"""Above the board: where a tilted plane turns about."""
+
+
+@dataclass(frozen=True)
+class InspectedFoot:
+    """One measured foot.
+
+    Attributes:
+        take: Whose.
+        folder: Of its files; never to be written to.
+        mesh: World mm, with `origin`, `sheets`, `residual_mm` per vertex.
+        shell: For cuts.
+        foot_from_world: 4x4, x from heel to toe; a reflection for a left foot.
+        length_mm: Of the foot.
+        measurements: As in measurements.json.
+    """
+
+    take: Take
+    folder: Path
+    mesh: trimesh.Trimesh
+    shell: Shell
+    foot_from_world: Floats
+    length_mm: float
+    measurements: dict[str, Any]
+
+
+def open_foot(station: Station, take: Take) -> InspectedFoot:
+    """Read the foot of a take.
+
+    Raises:
+        InputError: It has no measured foot, or its files are damaged.
+    """
+    if take.result is None or take.result.refused:
+        raise InputError(f"take {take.id} has no measured foot; measure it again, or choose another take.")
+    folder = station.store.results_folder(take.result.id)
+    mesh = load_surface_ply(folder / "surface.ply")
+    try:
+        content = json.loads((folder / "measurements.json").read_text(encoding="utf-8"))
+        foot_from_world = np.array(content["foot_from_input"], dtype=np.float64)
+        length_mm = float(content["measurements"]["foot_length"]["value"])
+    except (OSError, ValueError, KeyError, TypeError) as err:
+        raise InputError(f"{folder} holds no complete measurements ({err!r}); measure the take again.") from err
+    return InspectedFoot(take, folder, mesh, shell_from_mesh(mesh), foot_from_world, length_mm, content["measurements"])
+
+
+def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) -> Section:
+    """Cut a foot.
+
+    Args:
+        foot: The foot.
+        share: Where on its axis, 0 at the heel and 1 at the longest toe.
+        turn_deg: Around the vertical, 0 cuts across the foot.
+        tilt_deg: 0 is upright, 90 is level; it turns about a point 30 mm above the board.
+
+    Raises:
+        MeshError: The plane misses the foot.
+    """
+    turn, tilt = np.deg2rad([turn_deg, tilt_deg])
+    normal_foot = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
+    rotation, shift = foot.foot_from_world[:3, :3], foot.foot_from_world[:3, 3]
+    point_foot = np.array([share * foot.length_mm, 0.0, _HEIGHT_MM])
+    return measure_cut(foot.shell, rotation.T @ (point_foot - shift), rotation.T @ normal_foot)
+
+
+def outline_svg(section: Section, width_px: int = 330, height_px: int = 190) -> str:
+    """The cut as a drawing, to scale, with a bar of 20 mm."""
+    axes = np.stack(plane_axes(section.normal), axis=1)
+    lines = [(line - section.origin) @ axes for line in section.polylines]
+    everything = np.concatenate(lines)
+    low, size = everything.min(axis=0), np.maximum(np.ptp(everything, axis=0), 1.0)
+    scale = min((width_px - 20) / size[0], (height_px - 34) / size[1])
+    paths = "".join(_path((line - low) * scale, height_px) for line in lines)
+    bar_px = 20.0 * scale
+    return (
+        f'<svg width="{width_px}" height="{height_px}" role="img" aria-label="section" '
+        f'style="background:#fafafa;border:1px solid #ddd">{paths}'
+        f'<line x1="10" y1="{height_px - 8}" x2="{10 + bar_px:.0f}" y2="{height_px - 8}" stroke="#333" '
+        f'stroke-width="2"/><text x="{14 + bar_px:.0f}" y="{height_px - 4}" font-size="11">20 mm</text></svg>'
+    )
+
+
+def _path(uv_px: Floats, height_px: int) -> str:
+    points = " ".join(f"{10 + u:.1f},{height_px - 24 - v:.1f}" for u, v in uv_px)
+    return f'<polyline points="{points}" fill="none" stroke="#c00078" stroke-width="1.6"/>'

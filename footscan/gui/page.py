@@ -1,0 +1,199 @@
+"""The page: camera on the left, 3-D in the middle, machine and tasks on the right."""
+
+import logging
+import threading
+import time
+
+import viser
+
+from footscan.gui import texts
+from footscan.gui.binding import ask, on_press
+from footscan.gui.desk import Desk
+from footscan.gui.gate import guard
+from footscan.gui.heartbeat import PATIENCE_S, Heartbeat
+from footscan.gui.keys import ANSWER_S, Keys
+from footscan.gui.logbook import Logbook
+from footscan.gui.panel_camera import CameraPanel
+from footscan.gui.panel_machine import MachinePanel
+from footscan.gui.station import Station
+from footscan.gui.tab_inspect import InspectTab
+from footscan.gui.tab_patient import PatientTab
+from footscan.gui.tab_scan import ScanTab
+from footscan.gui.tab_system import SystemTab
+from footscan.gui.view_foot import FootView
+from footscan.gui.visit import PatientWork
+from footscan.gui.visit_result import ResultWork
+from footscan.gui.visit_scan import ScanWork
+from footscan.scanning.session.states import BUSY
+
+TICKS_PER_S = 12.0
+_CAMERA_PX, _TASKS_PX, _MACHINE_PX = 350.0, 390.0, 236.0
+_LOG = logging.getLogger(__name__)
+
+
+class Page:
+    """Everything that is shown, over an open server and station; `start`, then `close`."""
+
+    def __init__(self, server: viser.ViserServer, station: Station, patience_s: float = PATIENCE_S) -> None:
+        self.server, self.station = server, station
+        self.log = Logbook(station.data / "page.log")
+        self.keys = Keys(self.log.write, time.monotonic)
+        self.desk = Desk(self._say)
+        self._finished = threading.Event()
+        self._banners: dict[int, viser.GuiHtmlHandle] = {}
+        self._buttons: dict[int, viser.GuiButtonHandle] = {}
+        self._build()
+        guard(server.gui, self._may, self._refused)
+        self._heartbeat = Heartbeat(station.session, self._holder, patience_s)
+        self._ticker = threading.Thread(name="page", target=self._tick_on, daemon=True)
+        server.on_client_connect(self._come)
+        server.on_client_disconnect(self._go)
+
+    def start(self) -> None:
+        """Show it, and keep it up to date."""
+        self.desk.start()
+        self.desk.post(lambda: self._patients.find(""))
+        self._heartbeat.start()
+        self._ticker.start()
+
+    def close(self) -> None:
+        """End all threads; the server and the station are closed by who opened them."""
+        self.station.session.post_cancel("footscan is being closed")
+        self._finished.set()
+        self._heartbeat.finish()
+        self.desk.close()
+        for thread in (self._ticker, self._heartbeat):
+            if thread.is_alive():
+                thread.join(5.0)
+
+    def _build(self) -> None:
+        server, desk, station, gui = self.server, self.desk, self.station, self.server.gui
+        self._patients, self._scan = PatientWork(desk, station), ScanWork(desk, station)
+        result = ResultWork(desk, station)
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 96, 128))
+        self.view = FootView(server, station.session)
+        machine, camera = gui.add_panel(), gui.add_panel()
+        self._machine_tab = machine.add_tab(texts.TITLE, viser.Icon.ACTIVITY)
+        with self._machine_tab:
+            self.machine = MachinePanel(server, desk, station)
+        with camera.add_tab(texts.CAMERA, viser.Icon.CAMERA):
+            self.camera = CameraPanel(server, desk, station.session, self._scan)
+        tabs = gui.add_tab_group()
+        with tabs.add_tab(texts.TAB_PATIENT, viser.Icon.USER):
+            patient = PatientTab(gui, desk, self._patients)
+        with tabs.add_tab(texts.TAB_SCAN, viser.Icon.SCAN):
+            self.scan = ScanTab(gui, desk, station, self._scan, result)
+        with tabs.add_tab(texts.TAB_INSPECT, viser.Icon.RULER):
+            self.inspect = InspectTab(gui, desk, station, self.view)
+        with tabs.add_tab(texts.TAB_SYSTEM, viser.Icon.SETTINGS):
+            self.system = SystemTab(gui, desk, station, self.log)
+        self._place(machine, camera)
+        for part in (self.camera, patient, self.scan, self.inspect):
+            desk.listen(part.show)
+
+    def _place(self, machine: viser.PanelHandle, camera: viser.PanelHandle) -> None:
+        main = self.server.gui.main_panel
+        main.dock_right()
+        main.set_width(_TASKS_PX)
+        machine.dock_above(main)
+        machine.set_height(_MACHINE_PX)
+        camera.dock_left()
+        camera.set_width(_CAMERA_PX)
+
+    def _tick_on(self) -> None:
+        while not self._finished.wait(1.0 / TICKS_PER_S):
+            try:
+                self._tick()
+            except Exception:  # noqa: BLE001 - the picture of a moment must not end all pictures
+                _LOG.exception("tick of the page")
+
+    def _tick(self) -> None:
+        snapshot = self.station.session.snapshot()
+        if self.keys.wait_out(snapshot.state in BUSY or self.desk.state.job is not None):
+            self._show_keys()
+        self.machine.tick(snapshot)
+        self.scan.tick(snapshot)
+        if self.server.get_clients():
+            self.camera.tick()
+            self.view.tick()
+        self.log.note_state(snapshot)
+        self.system.tick()
+
+    def _holder(self) -> viser.ClientHandle | None:
+        holder = self.keys.holder
+        return None if holder is None else self.server.get_clients().get(holder)
+
+    def _may(self, client: int, uuid: str) -> bool:
+        """Whoever controls may use everything; STOP is for everybody."""
+        return client == self.keys.holder or uuid == self.machine.stop._impl.uuid  # pyright: ignore
+
+    def _refused(self, client: int, why: str) -> None:
+        self.log.write(f"browser {client} sent what was not taken: {why}")
+        handle = self.server.get_clients().get(client)
+        if handle is not None:
+            body = texts.ONLY_WATCHING if why == "watching" else texts.REFUSED_VALUE
+            handle.add_notification(texts.FAILED, body, color="orange", auto_close_seconds=6.0)
+
+    def _say(self, title: str, body: str, wrong: bool) -> None:
+        self.log.write(f"{title}: {body}" if wrong else title)
+        holder = self._holder()
+        if holder is not None:
+            colour, seconds = ("red", 15.0) if wrong else ("green", 5.0)
+            holder.add_notification(title, body, color=colour, auto_close_seconds=seconds)
+
+    async def _come(self, client: viser.ClientHandle) -> None:
+        guard(client.gui, lambda number, uuid: True, self._refused)
+        self.keys.come(client.client_id)
+        self.desk.post(lambda: self._greet(client))
+
+    async def _go(self, client: viser.ClientHandle) -> None:
+        self.keys.go(client.client_id)
+        self._banners.pop(client.client_id, None)
+        self._buttons.pop(client.client_id, None)
+        self.desk.post(self._show_keys)
+
+    def _greet(self, client: viser.ClientHandle) -> None:
+        """Each browser has its own words on who controls, and its own button to ask for it."""
+        with self._machine_tab:
+            self._banners[client.client_id] = client.gui.add_html("")
+            button = client.gui.add_button(texts.TAKE_OVER, icon=viser.Icon.KEY)
+        self._buttons[client.client_id] = button
+        on_press(self.desk, button, self._take_over)
+        self._show_keys()
+
+    def _take_over(self, client: viser.ClientHandle) -> None:
+        number = client.client_id
+        if self.keys.ask(number):
+            self._show_keys()
+            return
+        holder = self._holder()
+        if holder is None or number == self.keys.holder:
+            return
+        body = texts.TAKE_OVER_ASKED.format(seconds=ANSWER_S)
+        client.add_notification(texts.TAKE_OVER, body, auto_close_seconds=ANSWER_S)
+        ask(
+            self.desk,
+            holder,
+            texts.TAKE_OVER_TITLE,
+            texts.TAKE_OVER_BODY.format(seconds=ANSWER_S),
+            texts.GIVE,
+            texts.KEEP,
+            lambda: self._answer(holder.client_id, True),
+            lambda: self._answer(holder.client_id, False),
+        )
+
+    def _answer(self, holder: int, give: bool) -> None:
+        asking = self.keys.asking
+        self.keys.answer(holder, give)
+        asker = None if asking is None else self.server.get_clients().get(asking.client)
+        if asker is not None and not give:
+            asker.add_notification(texts.TAKE_OVER, texts.TAKE_OVER_REFUSED, color="orange", auto_close_seconds=8.0)
+        self._show_keys()
+
+    def _show_keys(self) -> None:
+        holder = self.keys.holder
+        for number, banner in list(self._banners.items()):
+            words = texts.YOU_CONTROL if number == holder else texts.YOU_WATCH
+            words = texts.NOBODY_CONTROLS if holder is None else words
+            banner.content = f'<div style="padding:0 1em;font-size:12.5px">{words}</div>'
+            self._buttons[number].visible = number != holder

@@ -1,0 +1,113 @@
+"""The state of the page, in one place; only the desk's thread replaces it."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from footscan.config.recording_file import Load, Surface
+from footscan.coordinates import LaserName, Side
+from footscan.gui.live_picture import Kind
+from footscan.records import Patient, Take
+from footscan.scanning.session.states import Finding
+
+Step = Literal["idle", "checked", "result"]
+"""Of the operator's scan; what is being done meanwhile is the running job's business."""
+Shown = Literal["Shaded", "Seen / assumed", "Distance to points"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """Something that takes longer than a moment.
+
+    Attributes:
+        words: What it is.
+        done: Of `total`.
+        total: 0 while not known.
+    """
+
+    words: str
+    done: int = 0
+    total: int = 0
+
+
+@dataclass(frozen=True)
+class ScanChoice:
+    """What the operator chose for the next scan."""
+
+    side: Side = "left"
+    load: Load = "bipedal"
+    surface: Surface = "bare"
+    profile: str = ""
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """What the camera panel shows. `threshold` counts when `automatic` is off."""
+
+    kind: Kind = "Overlay"
+    automatic: bool = True
+    threshold: int = 60
+    row: int | None = None
+    laser: LaserName = "right"
+
+    @property
+    def in_use(self) -> int | None:
+        """None for the automatic one."""
+        return None if self.automatic else self.threshold
+
+
+@dataclass(frozen=True)
+class InspectChoice:
+    """What is looked at."""
+
+    take_id: int | None = None
+    shown: Shown = "Shaded"
+    beside: bool = False
+    share: float = 0.5
+    turn_deg: float = 0.0
+    tilt_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class PageState:
+    """Everything the page shows that is not the machine's own state.
+
+    Attributes:
+        operator: Who works here.
+        found: Patients that fit what was typed.
+        patient: Chosen.
+        takes: Of the chosen patient, the latest visit first.
+        scan: For the next scan.
+        camera: Of the camera panel.
+        step: Of the scan.
+        findings: Of the last check.
+        take: The scan just made.
+        report: Its scan.json.
+        inspect: Of the Inspect tab.
+        job: What runs.
+        note: The last thing said in the Scan tab.
+        calibrated: Where a new calibration lies that is not in force, and what is said of it.
+    """
+
+    operator: str = ""
+    found: tuple[Patient, ...] = ()
+    patient: Patient | None = None
+    takes: tuple[Take, ...] = ()
+    scan: ScanChoice = field(default_factory=ScanChoice)
+    camera: CameraChoice = field(default_factory=CameraChoice)
+    step: Step = "idle"
+    findings: tuple[Finding, ...] = ()
+    take: Take | None = None
+    report: dict[str, Any] | None = None
+    inspect: InspectChoice = field(default_factory=InspectChoice)
+    job: Job | None = None
+    note: str = ""
+    calibrated: tuple[Path, tuple[str, ...]] | None = None
+
+    @property
+    def next_side(self) -> Side | None:
+        """Left before right, then nothing: by the takes of today's visit that are in use."""
+        today = [take for take in self.takes if self.takes and take.visit_id == self.takes[0].visit_id]
+        done = {take.said.side for take in today if take.in_use}
+        sides: tuple[Side, Side] = ("left", "right")
+        return next((side for side in sides if side not in done), None)

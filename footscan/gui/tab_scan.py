@@ -1,0 +1,180 @@
+"""The Scan tab: what is scanned, check, start, progress, and the verdict on what came."""
+
+import html
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import viser
+
+from footscan.gui import texts
+from footscan.gui.binding import ask, on_press, on_value, put
+from footscan.gui.desk import Desk
+from footscan.gui.state import PageState
+from footscan.gui.station import Station
+from footscan.gui.visit_result import ResultWork
+from footscan.gui.visit_scan import ScanWork
+from footscan.scanning.session.states import Snapshot, State
+
+_GRADES = {"good": "#176b2c", "usable with remark": "#a85b00", "repeat": "#c81e1e"}
+
+
+class ScanTab:
+    """Handles of the tab."""
+
+    def __init__(self, gui: viser.GuiApi, desk: Desk, station: Station, scan: ScanWork, result: ResultWork) -> None:
+        self._desk, self._station, self._scan, self._result = desk, station, scan, result
+        self._head = gui.add_html("")
+        self._side = gui.add_dropdown(texts.SIDE, tuple(texts.SIDES.values()), hint=texts.SIDE_HINT)
+        self._load = gui.add_dropdown(texts.LOAD, tuple(texts.LOADS.values()), hint=texts.LOAD_HINT)
+        self._surface = gui.add_dropdown(texts.SURFACE, tuple(texts.SURFACES.values()), hint=texts.SURFACE_HINT)
+        self._profile = gui.add_dropdown(texts.PROFILE, station.profiles, hint=texts.PROFILE_HINT)
+        self._plan = gui.add_html("")
+        self._check = gui.add_button(texts.CHECK, hint=texts.CHECK_HINT, icon=viser.Icon.CHECKLIST)
+        self._start = gui.add_button(texts.START, hint=texts.START_HINT, icon=viser.Icon.PLAYER_PLAY, color="green")
+        self._progress = gui.add_progress_bar(0.0, visible=False)
+        self._note = gui.add_html("")
+        self._verdict = gui.add_html("")
+        self._accept = gui.add_button(texts.ACCEPT, hint=texts.ACCEPT_HINT, color="green", visible=False)
+        self._remark = gui.add_text(texts.REMARK_LABEL, "", visible=False)
+        self._use = gui.add_button(texts.REMARK, hint=texts.REMARK_HINT, visible=False)
+        self._repeat = gui.add_button(texts.REPEAT, hint=texts.REPEAT_HINT, visible=False)
+        self._again = gui.add_button(texts.REPROCESS, hint=texts.REPROCESS_HINT, visible=False)
+        self._bind()
+
+    def _bind(self) -> None:
+        desk = self._desk
+        on_value(desk, self._side, lambda words: self._choose(side=_key(texts.SIDES, words)))
+        on_value(desk, self._load, lambda words: self._choose(load=_key(texts.LOADS, words)))
+        on_value(desk, self._surface, lambda words: self._choose(surface=_key(texts.SURFACES, words)))
+        on_value(desk, self._profile, lambda name: self._choose(profile=name))
+        on_press(desk, self._check, lambda client: self._armed(client, self._scan.check))
+        on_press(desk, self._start, lambda client: self._armed(client, self._scan.start))
+        on_press(desk, self._accept, lambda _: self._result.accept())
+        on_press(desk, self._use, lambda _: self._result.use_with_remark(self._remark.value))
+        on_press(desk, self._repeat, lambda _: self._result.repeat(self._remark.value))
+        on_press(desk, self._again, lambda _: self._result.reprocess())
+
+    def _choose(self, **values: Any) -> None:
+        """Another foot or density was not checked yet."""
+        self._desk.change(scan=replace(self._desk.state.scan, **values), step="idle", findings=(), note="")
+
+    def _armed(self, client: viser.ClientHandle, act: Callable[[], None]) -> None:
+        """Do something for which lasers or motor go on; ask whether anybody's face is there unless that was said."""
+        why = self._scan.refusal()
+        if why:
+            self._desk.say(texts.FAILED, why, wrong=True)
+            return
+        if self._scan.armed:
+            act()
+            return
+
+        def agreed() -> None:
+            if not self._scan.refusal():
+                self._scan.arm()
+                act()
+
+        ask(self._desk, client, texts.ARM_TITLE, texts.ARM_QUESTION, texts.ARM_YES, texts.ARM_NO, agreed)
+
+    def show(self, state: PageState) -> None:
+        """What the desk says."""
+        choice, busy = state.scan, state.job is not None
+        put(self._head, content=_box(_head(state)))
+        put(self._side, value=texts.SIDES[choice.side], disabled=busy)
+        put(self._load, value=texts.LOADS[choice.load], disabled=busy)
+        put(self._surface, value=texts.SURFACES[choice.surface], disabled=busy)
+        put(self._profile, value=choice.profile or self._station.profiles[0], disabled=busy)
+        put(self._plan, content=_box(html.escape(self._station.plan(choice.profile).sentence()), small=True))
+        put(self._check, disabled=busy or state.patient is None)
+        put(self._start, disabled=busy or state.step != "checked")
+        put(self._note, content=_box(_note(state)))
+        put(self._verdict, content=_box(_verdict(state)))
+        judged = state.take is not None and state.step == "result" and not busy
+        for handle in (self._accept, self._remark, self._use, self._repeat, self._again):
+            put(handle, visible=judged)
+        if state.job is None:
+            put(self._progress, visible=False)
+
+    def tick(self, snapshot: Snapshot) -> None:
+        """Progress of what runs."""
+        job = self._desk.state.job
+        if job is None:
+            return
+        percent, words = 100.0 * job.done / job.total if job.total else 0.0, job.words
+        if snapshot.state is State.COUNTDOWN:
+            words = texts.STAND_STILL.format(seconds=snapshot.remaining_s + 0.5)
+        elif snapshot.state is State.SCANNING:
+            percent = 100.0 * snapshot.progress
+            words = texts.REMAINING.format(
+                percent=percent, seconds=snapshot.remaining_s, points=f"{snapshot.frames.captured} pictures"
+            )
+        elif job.total:
+            words = texts.PROCESSING.format(done=job.done, total=job.total)
+        put(self._progress, visible=True, value=round(percent, 1), animated=percent == 0.0)
+        put(self._note, content=_box(f'<b style="font-size:16px">{html.escape(words)}</b>'))
+
+
+def _head(state: PageState) -> str:
+    if state.patient is None:
+        return f"<b>{texts.NO_PATIENT_SCAN}</b>"
+    side = state.next_side
+    following = texts.BOTH_DONE if side is None else texts.NEXT_FOOT.format(side=texts.SIDES[side])
+    return f"{texts.FOR_PATIENT.format(name=html.escape(state.patient.name))}<br>{following} {texts.PLACEMENT_HINT}"
+
+
+def _note(state: PageState) -> str:
+    if state.note:
+        return html.escape(state.note)
+    if state.step == "checked" and not state.findings:
+        return f'<b style="color:#176b2c">{texts.CHECK_GOOD}</b>'
+    if not state.findings:
+        return ""
+    title = texts.CHECK_REMARKS if state.step == "checked" else texts.CHECK_BAD
+    lines = "".join(
+        f"<li><b>{html.escape(finding.cause)}</b>: {html.escape(finding.sentence)}</li>" for finding in state.findings
+    )
+    return f'<b>{title}</b><ul style="margin:0;padding-left:1.2em">{lines}</ul>'
+
+
+def _verdict(state: PageState) -> str:
+    if state.take is None:
+        return ""
+    report, take = state.report or {}, state.take
+    verdict = report.get("verdict", {})
+    grade = str(verdict.get("grade", ""))
+    lines = [
+        f"<b>{texts.RESULT_OF.format(side=texts.SIDES[take.said.side], number=take.number)}: "
+        f'<span style="color:{_GRADES.get(grade, "#555")}">{html.escape(grade)}</span></b>',
+        html.escape(str(verdict.get("finding", ""))),
+    ]
+    if verdict.get("kind", "none") != "none":
+        lines.append(f"<b>{html.escape(str(verdict.get('action', '')))}</b>")
+    lines += _agreement(report) + _coverage(report)
+    lines.append(html.escape(texts.VERDICTS[take.verdict]) + (f", {texts.IN_USE}" if take.in_use else ""))
+    return "<br>".join(line for line in lines if line)
+
+
+def _agreement(report: Mapping[str, Any]) -> list[str]:
+    zones = [zone for zone in report.get("agreement", []) if zone["median_mm"] is not None]
+    if not zones:
+        return []
+    worst = max(zones, key=lambda zone: abs(zone["median_mm"]))
+    return [texts.AGREEMENT.format(median=abs(worst["median_mm"]), zone=html.escape(worst["zone"]))]
+
+
+def _coverage(report: Mapping[str, Any]) -> list[str]:
+    foot = report.get("foot", {})
+    if foot.get("refused"):
+        return [texts.REFUSED_FOOT.format(why=html.escape(str(foot["refused"])))]
+    skin = foot.get("skin")
+    if not skin:
+        return []
+    return [texts.COVERAGE.format(seen=skin["seen"], bridged=skin["bridged"], assumed=skin["assumed_sole"])]
+
+
+def _key(words_by_key: Mapping[str, str], words: str) -> Any:
+    return next(key for key, value in words_by_key.items() if value == words)
+
+
+def _box(content: str, small: bool = False) -> str:
+    return f'<div style="padding:2px 1em;font-size:{13 if small else 14}px">{content}</div>'

@@ -1,0 +1,136 @@
+"""The 3-D view: the board with its cross, the cloud growing while a scan runs, the measured foot in colours.
+
+The scene is in metres; everything else here is in millimetres.
+"""
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+import viser
+from trimesh.visual import ColorVisuals
+
+from footscan.coordinates import Floats, LaserName
+from footscan.foot.skin_origin import Origin
+from footscan.gui.state import Shown
+from footscan.scanning.session.control import Session
+
+_M = 0.001
+_CLOUD_EVERY_S = 0.5
+_MOST_POINTS = 2500  # of one batch
+_CLOUD_RGB: dict[LaserName, tuple[int, int, int]] = {"right": (220, 70, 40), "left": (40, 110, 220)}
+_SKIN_RGB = (224, 160, 128)
+_ORIGIN_RGB = {Origin.SEEN: _SKIN_RGB, Origin.BRIDGED: (232, 192, 32)}
+_UNSEEN_RGB = (128, 144, 160)
+_RESIDUAL_MM = (0.0, 0.2, 0.4)
+_RESIDUAL_RGB = ((32, 96, 255), (48, 192, 96), (255, 48, 32))
+_BESIDE_MM = 130.0
+Colours = npt.NDArray[np.uint8]
+
+
+class FootView:
+    """What stands in the middle of the page."""
+
+    def __init__(self, server: viser.ViserServer, session: Session) -> None:
+        self._scene, self._session = server.scene, session
+        self._shown_frames, self._batches = 0, 0
+        self._next_s = 0.0
+        self._feet: list[viser.GlbHandle | viser.MeshHandle] = []
+        scene = server.scene
+        scene.set_up_direction("+z")
+        scene.configure_environment_map(None)  # with it and shadows a browser without a graphics card stalls for 15 s
+        scene.configure_default_lights(True, cast_shadow=False)
+        scene.add_grid("/board", 0.4, 0.4, cell_size=0.02, section_size=0.1, plane="xy", shadow_opacity=0.0)
+        _draw_marks(scene)
+        camera = server.initial_camera
+        camera.position, camera.look_at, camera.near = (0.30, -0.42, 0.30), (0.0, 0.0, 0.05), 0.01
+
+    def tick(self) -> None:
+        """Add the points that have come since the last time."""
+        live, now_s = self._session.live, time.monotonic()
+        if live is None or now_s < self._next_s:
+            return
+        self._next_s = now_s + _CLOUD_EVERY_S
+        if live.count().shown < self._shown_frames:
+            self.clear_cloud()
+        new = live.points_since(self._shown_frames)
+        self._shown_frames += len(new)
+        for laser, rgb in _CLOUD_RGB.items():
+            xyz = [part.xyz_world for part in new if part.laser == laser and len(part.xyz_world)]
+            if xyz:
+                self._add_points(np.concatenate(xyz), rgb)
+
+    def clear_cloud(self) -> None:
+        """A new scan begins, or the foot is shown instead."""
+        for number in range(self._batches):
+            self._scene.remove_by_name(f"/cloud/{number}")
+        self._shown_frames = self._batches = 0
+
+    def hide_cloud(self) -> None:
+        """Take the cloud away without showing the same points again."""
+        shown = self._shown_frames
+        self.clear_cloud()
+        self._shown_frames = shown
+
+    def _add_points(self, xyz_world: npt.NDArray[np.float32], rgb: tuple[int, int, int]) -> None:
+        thinned = xyz_world[:: 1 + len(xyz_world) // _MOST_POINTS]
+        self._scene.add_point_cloud(
+            f"/cloud/{self._batches}", thinned * np.float32(_M), rgb, point_size=0.0008, precision="float32"
+        )
+        self._batches += 1
+
+    def show_feet(self, meshes: list[trimesh.Trimesh], shown: Shown) -> None:
+        """Show one foot, or two side by side; none clears the place."""
+        for handle in self._feet:
+            handle.remove()
+        self._feet = []
+        aside_mm = _BESIDE_MM / 2 if len(meshes) > 1 else 0.0
+        for number, mesh in enumerate(meshes):
+            y_mm = aside_mm * (1 if number == 0 else -1)
+            self._feet.append(self._add_mesh(f"/foot/{number}", mesh, shown, y_mm))
+
+    def _add_mesh(self, name: str, mesh: trimesh.Trimesh, shown: Shown, y_mm: float) -> viser.GlbHandle:
+        rgb = colours(mesh, shown)
+        alpha = np.full((len(rgb), 1), 255, np.uint8)
+        drawn = trimesh.Trimesh(mesh.vertices * _M, mesh.faces, process=False)
+        drawn.visual = ColorVisuals(drawn, vertex_colors=np.hstack([rgb, alpha]))
+        return self._scene.add_mesh_trimesh(
+            name, drawn, position=(0.0, y_mm * _M, 0.0), cast_shadow=False, receive_shadow=False
+        )
+
+    def show_section(self, polylines: tuple[Floats, ...]) -> None:
+        """Draw a cut around the foot, `(k, 3)` world mm each; none removes it."""
+        pieces = [np.stack([line[:-1], line[1:]], axis=1) for line in polylines if len(line) > 1]
+        if not pieces:
+            self._scene.remove_by_name("/section")
+            return
+        segments = np.concatenate(pieces) * _M
+        self._scene.add_line_segments("/section", segments, (200, 0, 120), thickness=4.0, thickness_units="screen")
+
+
+def colours(mesh: trimesh.Trimesh, shown: Shown) -> Colours:
+    """`(n, 3)` per vertex: skin, where the skin comes from, or how far the points lie from it."""
+    rgb = np.tile(np.array(_SKIN_RGB, np.uint8), (len(mesh.vertices), 1))
+    origin = np.asarray(mesh.vertex_attributes["origin"])
+    if shown == "Seen / assumed":
+        rgb[:] = _UNSEEN_RGB
+        for kind, colour in _ORIGIN_RGB.items():
+            rgb[origin == kind] = colour
+    if shown == "Distance to points":
+        residual = np.abs(np.asarray(mesh.vertex_attributes["residual_mm"], dtype=np.float64))
+        known = np.isfinite(residual)
+        rgb[~known] = _UNSEEN_RGB
+        for channel in range(3):
+            levels = [colour[channel] for colour in _RESIDUAL_RGB]
+            rgb[known, channel] = np.interp(residual[known], _RESIDUAL_MM, levels).astype(np.uint8)
+    return rgb
+
+
+def _draw_marks(scene: viser.SceneApi) -> None:
+    """The cross where the axis meets the board, and an arrow where the toes point."""
+    cross = np.array([[[-15, 0, 0], [15, 0, 0]], [[0, -15, 0], [0, 15, 0]]], np.float32)
+    arrow = np.array([[[120, 0, 0], [170, 0, 0]], [[170, 0, 0], [155, 9, 0]], [[170, 0, 0], [155, -9, 0]]], np.float32)
+    for name, lines, rgb in (("/axis-mark", cross, (200, 30, 30)), ("/toes", arrow, (30, 30, 30))):
+        scene.add_line_segments(name, lines * np.float32(_M), rgb, thickness=3.0, thickness_units="screen")
+    scene.add_label("/toes-label", "toes", position=(0.185, 0.0, 0.0))

@@ -1,0 +1,98 @@
+"""What the operator does with patients: find, enter, choose. Every method runs on the desk's thread."""
+
+from dataclasses import replace
+
+from footscan.errors import DuplicatePatientError
+from footscan.gui import texts
+from footscan.gui.desk import Desk
+from footscan.gui.state import PageState
+from footscan.gui.station import Station
+from footscan.records import NewPatient, Patient, Take
+from footscan.records.spelling import born_from_text
+
+MOST_SHOWN = 20
+
+
+class PatientWork:
+    """Patients on the page."""
+
+    def __init__(self, desk: Desk, station: Station) -> None:
+        self._desk, self._station = desk, station
+
+    def set_operator(self, name: str) -> None:
+        """Who works here."""
+        self._desk.change(operator=name.strip())
+
+    def find(self, typed: str) -> None:
+        """Show who fits what was typed."""
+        self._desk.change(found=tuple(self._station.store.find_patients(typed, MOST_SHOWN)))
+
+    def choose(self, patient_id: int) -> None:
+        """Work with this patient.
+
+        Raises:
+            InputError: There is no such patient.
+        """
+        state = self._desk.state
+        if state.job is not None:
+            self._desk.say(texts.WORKING, texts.BUSY, wrong=True)
+            return
+        patient = self._station.store.patient(patient_id)
+        takes = takes_of(self._station, patient_id)
+        in_use = next((take.id for take in takes if take.in_use), takes[0].id if takes else None)
+        changed = replace(state, patient=patient, takes=takes)
+        self._desk.change(
+            patient=patient,
+            takes=takes,
+            step="idle",
+            findings=(),
+            take=None,
+            report=None,
+            note="",
+            scan=replace(state.scan, side=changed.next_side or "left"),
+            inspect=replace(state.inspect, take_id=in_use),
+        )
+
+    def enter(self, name: str, born: str, number: str, *, force: bool = False) -> bool:
+        """Enter a patient and work with them; False when a person of the same name is there and somebody must decide.
+
+        Raises:
+            InputError: An impossible name or date, a number that is taken.
+        """
+        if not self._desk.state.operator:
+            self._desk.say(texts.FAILED, texts.NO_OPERATOR, wrong=True)
+            return True
+        new = NewPatient(name, born_from_text(born.strip()) if born.strip() else None, number.strip() or None)
+        try:
+            patient = self._station.store.add_patient(new, self._desk.state.operator, force=force)
+        except DuplicatePatientError as err:
+            self._desk.say(texts.NAMESAKE_TITLE, str(err), wrong=True)
+            return False
+        self.find(patient.name)
+        self.choose(patient.id)
+        self._desk.say(texts.ENTERED, patient.name)
+        return True
+
+    def refresh(self) -> None:
+        """Read the chosen patient's takes again."""
+        patient = self._desk.state.patient
+        if patient is not None:
+            self._desk.change(takes=takes_of(self._station, patient.id))
+
+
+def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
+    """All takes of a patient, the latest visit first, and in it the latest take first."""
+    visits = station.store.visits(patient_id)
+    return tuple(take for visit in visits for take in sorted(station.store.takes(visit.id), key=lambda t: -t.id))
+
+
+def patient_words(patient: Patient) -> str:
+    """A patient in a list; the number at the end makes it unique."""
+    born = f", born {patient.born.isoformat()}" if patient.born else ""
+    own = f", {patient.number}" if patient.number else ""
+    return f"{patient.name}{born}{own}  #{patient.id}"
+
+
+def chosen_from(words: str, state: PageState) -> Patient | None:
+    """The patient behind a line of `patient_words`."""
+    return next((patient for patient in state.found if patient_words(patient) == words), None)

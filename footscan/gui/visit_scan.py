@@ -1,0 +1,157 @@
+"""Check and scan as the operator does them. Every public method runs on the desk's thread."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from footscan.config import Subject
+from footscan.errors import FootscanError
+from footscan.gui import texts
+from footscan.gui.adjust_light import shine_while_held
+from footscan.gui.desk import Desk, Progress
+from footscan.gui.station import Station
+from footscan.gui.visit import takes_of
+from footscan.gui.visit_result import report_of
+from footscan.records import Take
+from footscan.scanning.session.control import Session
+from footscan.scanning.session.states import Finding, State
+from footscan.scanning.sweep import SweepSettings
+from footscan.workflow.process import ProcessSettings
+from footscan.workflow.scan import ScanSettings, measure_recorded, prepare_machine, record_scan, scan_folder
+from footscan.workflow.visit import Filing, file_scan
+
+_ARM_S = 5.0
+
+
+class ScanWork:
+    """The scan on the page."""
+
+    def __init__(self, desk: Desk, station: Station) -> None:
+        self._desk, self._station = desk, station
+        self._held_s = 0.0
+
+    @property
+    def armed(self) -> bool:
+        """Somebody has looked, and nothing has happened since."""
+        return self._session.snapshot().armed
+
+    def refusal(self) -> str:
+        """Why neither check nor scan can begin now; empty when they can."""
+        state = self._desk.state
+        if state.job is not None or self._session.snapshot().state is State.HOLDING:
+            return texts.BUSY
+        if state.patient is None:
+            return texts.NO_PATIENT_SCAN
+        if not state.operator:
+            return texts.NO_OPERATOR
+        if self._station.calibration is None:
+            return f"{self._station.calibration_words}. Calibrate the machine first."
+        return ""
+
+    def arm(self) -> None:
+        """The operator has looked: lasers and motor may be switched on.
+
+        Raises:
+            DeviceError: The machine refuses.
+        """
+        self._session.post_arm(no_faces_at_beam_height=True).wait(_ARM_S)
+
+    def check(self) -> None:
+        """Home if needed, and look at everything that can spoil the scan; the machine is armed."""
+        state, settings = self._desk.state, self._settings()
+        if self._station.put_on_board is not None:
+            self._station.put_on_board(state.scan.side)
+        self._desk.change(step="idle", findings=(), note="", take=None, report=None)
+        self._desk.job(
+            texts.JOB_CHECK,
+            lambda progress: prepare_machine(self._session, settings, lambda snapshot: None),
+            self._checked,
+            self._stopped,
+        )
+
+    def _checked(self, findings: list[Finding]) -> None:
+        good = not any(finding.blocking for finding in findings)
+        self._desk.change(step="checked" if good else "idle", findings=tuple(findings))
+
+    def start(self) -> None:
+        """Countdown, sweep, measure, file; the machine is armed and was checked."""
+        if self._desk.state.step != "checked":
+            self._desk.say(texts.FAILED, texts.CHECK_FIRST, wrong=True)
+            return
+        settings, patient, operator = self._settings(), self._desk.state.patient, self._desk.state.operator
+        assert patient is not None
+        threshold = self._desk.state.camera.in_use
+        if self._session.live is not None:
+            self._session.live.threshold = threshold
+        self._desk.change(step="idle", note="")
+        self._desk.job(
+            texts.JOB_SCAN,
+            lambda progress: self._record(settings),
+            lambda folder: self._measure(settings, patient.id, operator),
+            lambda err: self._broken_off(err, settings.folder),
+        )
+
+    def _record(self, settings: ScanSettings) -> Path:
+        calibration = self._station.calibration
+        assert calibration is not None
+        return record_scan(self._session, settings, calibration, lambda snapshot: None)
+
+    def _measure(self, settings: ScanSettings, patient_id: int, operator: str) -> None:
+        def work(progress: Progress) -> Take:
+            calibration = self._station.calibration
+            assert calibration is not None
+            try:
+                measure_recorded(settings, calibration, progress)
+            except FootscanError:
+                if not (settings.folder / "results" / "scan.json").is_file():
+                    raise  # points and reasons are there otherwise, and are filed with the take
+            side, subject = settings.side, settings.subject
+            filing = Filing(operator, side, subject.load, subject.surface, process=False)
+            return file_scan(self._station.store, patient_id, settings.folder, filing)
+
+        self._desk.job(texts.JOB_MEASURE, work, self._show, lambda err: self._broken_off(err, settings.folder))
+
+    def _show(self, take: Take) -> None:
+        state = self._desk.state
+        takes = takes_of(self._station, take.patient_id)
+        self._desk.change(
+            step="result",
+            take=take,
+            takes=takes,
+            report=report_of(self._station, take),
+            inspect=replace(state.inspect, take_id=take.id),
+        )
+
+    def _broken_off(self, err: FootscanError, folder: Path) -> None:
+        kept = folder if (folder / "recording").is_dir() else self._station.scans
+        self._desk.change(step="idle", note=texts.SCAN_KEPT.format(why=err, folder=kept))
+        self._desk.say(texts.SCAN_STOPPED, str(err), wrong=True)
+
+    def _stopped(self, err: FootscanError) -> None:
+        self._desk.change(step="idle", note=str(err))
+        self._desk.say(texts.FAILED, str(err), wrong=True)
+
+    def hold_light(self) -> None:
+        """The button for laser light is down; called again and again while it is."""
+        snapshot = self._session.snapshot()
+        self._held_s = self._session.clock.now_s()
+        if snapshot.state is State.HOLDING or self._desk.state.job is not None:
+            return
+        laser = self._desk.state.camera.laser
+        self._session.post(lambda machine: shine_while_held(machine, laser, lambda: self._held_s))
+        time.sleep(0.05)  # the next message of the same press finds the machine in its new state
+
+    @property
+    def _session(self) -> Session:
+        return self._station.session
+
+    def _settings(self) -> ScanSettings:
+        state = self._desk.state
+        choice = state.scan
+        return ScanSettings(
+            scan_folder(self._station.scans, choice.side),
+            choice.side,
+            self._station.plan(choice.profile),
+            Subject(load=choice.load, surface=choice.surface),
+            process=ProcessSettings(SweepSettings(threshold=state.camera.in_use), side=choice.side),
+        )
