@@ -9,6 +9,7 @@
 | `yz_pixel`   | F: the paper's computer image (rows counted from the bottom) | px |
 | `uv`         | the upright frame: u column from the left, v row from the top, integer = pixel centre | px |
 | `xyz_foot`   | heel -> toe along the foot axis, y medial, z up from the board | mm |
+| `xyz_shoelast` | heel -> toe, y medial, z up from the ground, the seat at its heel height | mm |
 """
 
 from typing import Literal
