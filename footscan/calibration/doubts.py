@@ -9,7 +9,7 @@ import numpy as np
 from footscan.calibration.charuco import half_size_mm
 from footscan.calibration.estimate import LENS, POSE, SHAPE, Estimate
 from footscan.calibration.first_guess import guess_estimate
-from footscan.calibration.gates import Gate, Limits, placement_corners
+from footscan.calibration.gates import Gate, Limits, camera_gates, placement_corners
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import CORNERS_ONLY
 from footscan.calibration.misfit import corner_misfit_px, head_angles
@@ -243,12 +243,14 @@ def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:
 
 
 def _nothing(intake: Intake, fit: Fit) -> str:
-    """No single explanation: name the worst placement and its worst frames."""
+    """No single explanation: another machine, or the worst placement and its worst frames."""
     rms = [placement_corners(fit, p)[0] for p in range(len(intake.placement_names))]
     worst = int(np.argmax(rms))
-    if min(rms) > 1.0:
+    far = [gate for gate in camera_gates(fit.estimate.machine, intake.recording.scanner) if not gate.passed]
+    if far or min(rms) > 1.0:
+        off = f" ({far[0].name.replace('_', ' ')}: {far[0].value:.3g}, at most {far[0].limit:g})" if far else ""
         return (
-            "the corners fit no machine of this design in any placement: scanner.toml (encoder steps, camera, head) or "
+            f"the corners fit no machine of this design{off}: scanner.toml (encoder steps, camera, head) or "
             "the frames belong to another machine. Correct scanner.toml, or record again."
         )
     own = (fit.rows.placement == worst) & (fit.rows.laser < 0)

@@ -324,13 +324,32 @@ def _expected_gates(fit: Fit, limits: Limits) -> list[Gate]:
     ]
 
 
+_OTHER_MACHINE = (
+    "No workshop is so far off: scanner.toml or the frames belong to another machine, or the lens was exchanged. "
+    "Correct scanner.toml and try again."
+)
+
+
 def design_gates(machine: Calibration, scanner: Scanner) -> list[Gate]:
     """How far the machine is from its design: further than any workshop builds means frames of another machine."""
     design = calibration_from_design(scanner)
-    advice = (
-        "No workshop is so far off: scanner.toml or the frames belong to another machine, or the lens was exchanged. "
-        "Correct scanner.toml and try again."
-    )
+    floor_lean_deg = float(np.degrees(np.arccos(min(1.0, machine.floor.normal[2]))))
+    gates = [*camera_gates(machine, scanner), Gate("floor_lean_deg", floor_lean_deg, 1.5, "", _OTHER_MACHINE)]
+    for built, planned in zip(machine.lasers, design.lasers, strict=True):
+        turn = np.degrees(_apart_rad(alpha_from_sheet(built), alpha_from_sheet(planned)))
+        lean = abs(np.degrees(np.arcsin(built.normal[2])))
+        where = f"{built.name} laser"
+        gates += [
+            Gate("sheet_turned_deg", float(turn), 4.0, where, _swapped(machine, design) or _OTHER_MACHINE),
+            Gate("sheet_leans_deg", float(lean), 2.0, where, _OTHER_MACHINE),
+            Gate("sheet_off_axis_mm", abs(built.offset_mm), 6.0, where, _OTHER_MACHINE),
+        ]
+    return gates
+
+
+def camera_gates(machine: Calibration, scanner: Scanner) -> list[Gate]:
+    """The part of `design_gates` that corners alone show: lens, camera and how late frames are stamped."""
+    design = calibration_from_design(scanner)
     own, made = machine.camera, design.camera
     shift = np.subtract(own.principal_point_px, made.principal_point_px)
     moved = np.subtract(machine.pose.translation_mm, design.pose.translation_mm)
@@ -340,20 +359,9 @@ def design_gates(machine: Calibration, scanner: Scanner) -> list[Gate]:
         "phi_off_deg": (abs(np.degrees(machine.pose.phi_rad - design.pose.phi_rad)), 4.0),
         "sigma_off_deg": (abs(np.degrees(machine.pose.sigma_rad - design.pose.sigma_rad)), 3.0),
         "camera_off_mm": (float(np.linalg.norm(moved)), 45.0),
-        "floor_lean_deg": (float(np.degrees(np.arccos(min(1.0, machine.floor.normal[2])))), 1.5),
         "latency_s": (abs(machine.latency_s), 0.2),
     }
-    gates = [Gate(name, float(value), limit, "", advice) for name, (value, limit) in figures.items()]
-    for built, planned in zip(machine.lasers, design.lasers, strict=True):
-        turn = np.degrees(_apart_rad(alpha_from_sheet(built), alpha_from_sheet(planned)))
-        lean = abs(np.degrees(np.arcsin(built.normal[2])))
-        where = f"{built.name} laser"
-        gates += [
-            Gate("sheet_turned_deg", float(turn), 4.0, where, _swapped(machine, design) or advice),
-            Gate("sheet_leans_deg", float(lean), 2.0, where, advice),
-            Gate("sheet_off_axis_mm", abs(built.offset_mm), 6.0, where, advice),
-        ]
-    return gates
+    return [Gate(name, float(value), limit, "", _OTHER_MACHINE) for name, (value, limit) in figures.items()]
 
 
 def _swapped(machine: Calibration, design: Calibration) -> str:
