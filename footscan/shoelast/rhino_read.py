@@ -1,0 +1,233 @@
+"""Reading a Rhino file (3DM): meshes, surfaces and named curves, in mm by the unit that the file states."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rhino3dm as _rhino3dm
+import trimesh
+from scipy.interpolate import BSpline
+
+from footscan.coordinates import Floats, Ints
+from footscan.errors import MeshError
+from footscan.geometry.nearest import PointTree
+from footscan.shoelast.source import LastSource, joined_lines, line_name
+
+rhino3dm: Any = _rhino3dm  # its type stubs lack what containers and meshes can do
+
+_MM = {"Millimeters": 1.0, "Centimeters": 10.0, "Meters": 1000.0, "Inches": 25.4, "Feet": 304.8, "Microns": 0.001}
+_CHORD_MM = 0.02
+_MOST_STEPS = 1536
+_EDGE_MM = 0.02
+_SAME_BOX_MM = 3.0
+_SUBDIVISIONS = 3
+
+
+@dataclass
+class _Found:
+    """What was met so far, in the file's unit; `parts` are vertices and triangles."""
+
+    meshes: list[tuple[Floats, Ints]] = field(default_factory=list[tuple[Floats, Ints]])
+    surfaces: list[tuple[Floats, Ints]] = field(default_factory=list[tuple[Floats, Ints]])
+    curves: list[tuple[str, Floats]] = field(default_factory=list[tuple[str, Floats]])
+    remarks: list[str] = field(default_factory=list[str])
+    hidden: int = 0
+    blocks: int = 0
+
+
+def read_3dm(path: Path) -> LastSource:
+    """Read a 3DM.
+
+    Meshes are taken as they are, surfaces and solids by the meshes that Rhino stored with them, else evaluated when
+    they are untrimmed. Where meshes and surfaces show the same body, the meshes count. Hidden objects stay out.
+
+    Raises:
+        MeshError: No Rhino file, no unit, no body, or a trimmed surface without a stored mesh.
+    """
+    model = rhino3dm.File3dm.Read(str(path)) if path.is_file() else None
+    if model is None:
+        raise MeshError(f"{path} cannot be read as a Rhino file; save it again as 3DM, or as STL with its unit.")
+    unit = str(model.Settings.ModelUnitSystem).rpartition(".")[2]
+    if unit not in _MM:
+        raise MeshError(f"{path} has the unit {unit}; set the model's unit to millimetres in Rhino and save it again.")
+    found = _Found()
+    for entry in model.Objects:
+        if _visible(model, entry):
+            _take(path, model, entry, found, _CHORD_MM / _MM[unit])
+        else:
+            found.hidden += 1
+    return _source(path, found, unit)
+
+
+def _visible(model: Any, entry: Any) -> bool:
+    layer = model.Layers.FindIndex(entry.Attributes.LayerIndex)
+    return bool(entry.Attributes.Visible) and (layer is None or bool(layer.Visible))
+
+
+def _take(path: Path, model: Any, entry: Any, found: _Found, chord: float) -> None:
+    shape, name = entry.Geometry, str(entry.Attributes.Name or "")
+    layer = model.Layers.FindIndex(entry.Attributes.LayerIndex)
+    layer_name = "" if layer is None else str(layer.Name)
+    if isinstance(shape, rhino3dm.Mesh):
+        found.meshes.append(_mesh_parts(shape))
+    elif isinstance(shape, rhino3dm.SubD):
+        found.surfaces.append(_subd_parts(shape, found))
+    elif isinstance(shape, rhino3dm.Extrusion):
+        found.surfaces += _brep_parts(path, shape.ToBrep(True), name or layer_name, chord)
+    elif isinstance(shape, rhino3dm.Brep):
+        found.surfaces += _brep_parts(path, shape, name or layer_name, chord)
+    elif isinstance(shape, rhino3dm.Surface):
+        found.surfaces.append(_surface_parts(shape, chord))
+    elif isinstance(shape, rhino3dm.Curve):
+        known = line_name(name, layer_name)
+        found.curves.append((known or name or f"curve_{len(found.curves) + 1}", _curve_points(shape)))
+    elif isinstance(shape, rhino3dm.InstanceReference):
+        found.blocks += 1
+
+
+def _source(path: Path, found: _Found, unit: str) -> LastSource:
+    parts, remarks = found.meshes + found.surfaces, list(found.remarks)
+    if found.meshes and found.surfaces and _same_body(found, _MM[unit]):
+        parts = found.meshes
+        remarks.append(f"{len(found.surfaces)} surfaces show the body of the meshes and were left out")
+    if found.hidden:
+        remarks.append(f"{found.hidden} hidden objects were left out")
+    if found.blocks:
+        remarks.append(
+            f"{found.blocks} block instances were left out; explode them in Rhino if they belong to the last"
+        )
+    if not parts:
+        raise MeshError(
+            f"{path} holds no visible mesh or surface ({len(found.curves)} curves, {found.hidden} hidden objects, "
+            f"{found.blocks} blocks); show or explode the last in Rhino and save it again."
+        )
+    starts = np.cumsum([0, *(len(xyz) for xyz, _ in parts)])
+    xyz = np.vstack([points for points, _ in parts]) * _MM[unit]
+    faces = np.vstack([corners + start for (_, corners), start in zip(parts, starts, strict=False)])
+    lines = joined_lines([(name, curve * _MM[unit]) for name, curve in found.curves])
+    return LastSource(trimesh.Trimesh(xyz, faces, process=False), lines, unit.lower(), tuple(remarks))
+
+
+def _same_body(found: _Found, mm: float) -> bool:
+    first, second = (_box(parts) for parts in (found.meshes, found.surfaces))
+    return bool(np.abs(first - second).max() * mm <= _SAME_BOX_MM)
+
+
+def _box(parts: list[tuple[Floats, Ints]]) -> Floats:
+    xyz = np.vstack([points for points, _ in parts])
+    return np.stack([xyz.min(axis=0), xyz.max(axis=0)])
+
+
+def _mesh_parts(mesh: Any) -> tuple[Floats, Ints]:
+    xyz = np.array([(p.X, p.Y, p.Z) for p in mesh.Vertices.ToPoint3dArray()], dtype=np.float64).reshape(-1, 3)
+    corners = np.array([mesh.Faces[k] for k in range(len(mesh.Faces))], dtype=np.int64).reshape(-1, 4)
+    quads = corners[corners[:, 2] != corners[:, 3]]
+    return xyz, np.vstack([corners[:, :3], quads[:, [0, 2, 3]]])
+
+
+def _subd_parts(shape: Any, found: _Found) -> tuple[Floats, Ints]:
+    shape.Subdivide(_SUBDIVISIONS)
+    found.remarks.append(f"a SubD was taken as its net after {_SUBDIVISIONS} subdivisions")
+    return _mesh_parts(rhino3dm.Mesh.CreateFromSubDControlNet(shape, False))
+
+
+def _brep_parts(path: Path, brep: Any, name: str, chord: float) -> list[tuple[Floats, Ints]]:
+    parts: list[tuple[Floats, Ints]] = []
+    for k in range(len(brep.Faces)):
+        face = brep.Faces[k]
+        stored = face.GetMesh(rhino3dm.MeshType.Any)
+        if stored is not None and len(stored.Faces):
+            parts.append(_mesh_parts(stored))
+            continue
+        surface = face.UnderlyingSurface()
+        if not brep.IsSurface and not _untrimmed(brep, face, surface):
+            raise MeshError(
+                f"{path}: face {k + 1} of {name or 'a solid'} is trimmed and has no stored mesh; save the file in "
+                "Rhino with its shaded meshes (not as small file), or export the last as STL or STEP."
+            )
+        xyz, faces = _surface_parts(surface, chord)
+        parts.append((xyz, faces[:, ::-1] if face.OrientationIsReversed else faces))
+    return parts
+
+
+def _untrimmed(brep: Any, face: Any, surface: Any) -> bool:
+    """Whether all edges of a face run along the border of its surface."""
+    if len(face.Loops) != 1:
+        return False
+    trims = face.OuterLoop.Trims
+    edges = {trims[k].EdgeIndex for k in range(len(trims))} - {-1}
+    points = np.vstack([_sampled(brep.Edges[edge], 33) for edge in edges])
+    grid = _evaluator(surface)[0](np.linspace(0.0, 1.0, 2049), np.linspace(0.0, 1.0, 2049), border=True)
+    size = float(np.ptp(grid, axis=0).max())
+    return bool(PointTree(grid).nearest(points, 1)[0].max() <= max(_EDGE_MM, 1e-3 * size))
+
+
+def _surface_parts(surface: Any, chord: float) -> tuple[Floats, Ints]:
+    """A whole surface as triangles within the chord error."""
+    evaluate, spans = _evaluator(surface)
+    steps = [max(2 * span, 8) for span in spans]
+    while True:
+        xyz = evaluate(*(np.linspace(0.0, 1.0, 2 * step + 1) for step in steps))
+        corner = xyz[::2, ::2]
+        gaps = (
+            xyz[1::2, ::2] - 0.5 * (corner[:-1] + corner[1:]),
+            xyz[::2, 1::2] - 0.5 * (corner[:, :-1] + corner[:, 1:]),
+        )
+        finer = [2 * n if np.linalg.norm(gap, axis=-1).max() > chord else n for n, gap in zip(steps, gaps, strict=True)]
+        finer = [min(n, _MOST_STEPS) for n in finer]
+        if finer == steps:
+            return _grid_parts(corner)
+        steps = finer
+
+
+def _grid_parts(corner: Floats) -> tuple[Floats, Ints]:
+    rows, columns = corner.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    faces = np.concatenate([np.stack(three, axis=-1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))])
+    return corner.reshape(-1, 3), faces
+
+
+def _evaluator(surface: Any) -> tuple[Any, tuple[int, int]]:
+    """A function of two parameters on 0..1 that gives points, and the spans both ways."""
+    nurbs = surface.ToNurbsSurface()
+    count_u, count_v = nurbs.Points.CountU, nurbs.Points.CountV
+    raw = [nurbs.Points[i, j] for i in range(count_u) for j in range(count_v)]
+    net = np.array([(p.X, p.Y, p.Z, p.W) for p in raw])  # Rhino keeps them weighted
+    net = net.reshape(count_u, count_v, 4)
+    knots = [_full_knots(list(each)) for each in (nurbs.KnotsU.ToList(), nurbs.KnotsV.ToList())]
+    degrees = (nurbs.Degree(0), nurbs.Degree(1))
+    ends = [(k[p], k[len(k) - p - 1]) for k, p in zip(knots, degrees, strict=True)]
+
+    def at(share: Floats, way: int) -> Floats:
+        low, high = ends[way]
+        return low + (high - low) * share
+
+    def evaluate(u: Floats, v: Floats, border: bool = False) -> Floats:
+        if border:
+            sides = [(u[[0, -1]], v), (u, v[[0, -1]])]
+            return np.vstack([evaluate(*side).reshape(-1, 3) for side in sides])
+        along = BSpline(knots[0], net, degrees[0], axis=0)(at(u, 0))
+        weighted = BSpline(knots[1], along, degrees[1], axis=1)(at(v, 1))
+        return weighted[..., :3] / weighted[..., 3:]
+
+    return evaluate, (len(np.unique(knots[0])) - 1, len(np.unique(knots[1])) - 1)
+
+
+def _full_knots(knots: list[float]) -> Floats:
+    """Rhino leaves the first and the last knot out; their values are of no effect."""
+    return np.array([knots[0], *knots, knots[-1]], dtype=np.float64)
+
+
+def _curve_points(curve: Any) -> Floats:
+    """A polyline's own corners; else points so dense that the chord error is far below the fit of a last."""
+    if curve.IsPolyline():
+        return np.array([(p.X, p.Y, p.Z) for p in curve.TryGetPolyline()], dtype=np.float64)
+    return _sampled(curve, int(np.clip(24 * curve.SpanCount, 96, 4096)) + 1)
+
+
+def _sampled(curve: Any, count: int) -> Floats:
+    low, high = curve.Domain.T0, curve.Domain.T1
+    points = [curve.PointAt(t) for t in np.linspace(low, high, count).tolist()]
+    return np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64)
