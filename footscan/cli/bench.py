@@ -14,7 +14,7 @@ from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
 from footscan.scanning.session.control import SessionSetup
-from footscan.workflow import foot_bench, process_bench, session_bench, stripe_bench
+from footscan.workflow import foot_bench, picture_bench, process_bench, session_bench, stripe_bench
 from footscan.workflow.designs import builtin_scanner
 from footscan.workflow.process import build_tables
 
@@ -126,7 +126,13 @@ def bench_process(
 
 @bench_app.command("session")
 def bench_session_command(
-    rate: Annotated[list[float] | None, typer.Option(help="Frames a second; several are tried in turn.")] = None,
+    rate: Annotated[
+        list[float] | None,
+        typer.Option(help="Frames a second; several are tried in turn.", min=1, max=2000),
+    ] = None,
+    slowed: Annotated[
+        float, typer.Option(help="Seconds that processing is held up at each frame, on purpose.", min=0, max=5)
+    ] = 0.0,
 ) -> None:
     """A whole scan at high frame rates, pictures made beforehand: what is kept, and how fast it reaches the disk."""
     rig = chosen_rig(None, fast=False)
@@ -134,11 +140,30 @@ def bench_session_command(
     with announce_compilation(STDERR.print):
         setup = SessionSetup(rig.scanner, rig.motion, calibration, build_tables(calibration))
         for frames_per_s in rate or (25.0, 100.0, 200.0):
-            run = session_bench.bench_session(rig, rig_app.open_rig(rig), setup, frames_per_s)
+            run = session_bench.bench_session(rig, rig_app.open_rig(rig), setup, frames_per_s, slowed)
             frames, live = run.frames, run.live
-            rejected = ", ".join(f"{count} {why}" for why, count in frames.rejected.items()) or "none"
             STDOUT.print(
-                f"{frames_per_s:5.0f} frames/s: {frames.captured} captured, {frames.kept} kept, rejected: {rejected}, "
-                f"{frames.lost} lost; {run.sustained_per_s:.0f} frames/s from camera to disk; "
-                f"live view {live.shown} of {live.given} shown"
+                f"{frames_per_s:5.0f} frames/s: {frames.captured} captured, {frames.kept} kept, rejected: "
+                f"{_counted(frames.rejected)}, {frames.lost} lost; {run.sustained_per_s:.0f} frames/s from camera to "
+                f"disk; live view {live.shown} of {live.given} shown, skipped: {_counted(live.skipped)}"
+            )
+
+
+def _counted(reasons: dict[str, int]) -> str:
+    return ", ".join(f"{count} {why}" for why, count in reasons.items()) or "none"
+
+
+@bench_app.command("picture")
+def bench_picture(
+    frames: Annotated[int, typer.Option(help="Pictures timed of each object.", min=5, max=10000)] = 100,
+    scanner: Annotated[Path | None, typer.Option(help="scanner.toml; default: the paper's prototype.")] = None,
+    mesh: Annotated[Path | None, typer.Option(help="Mesh of a foot in metres, timed too.")] = None,
+) -> None:
+    """The simulator's pictures a second, one thread: all heads of a turn, both lasers in turn."""
+    with announce_compilation(STDERR.print):
+        for timing in picture_bench.time_pictures(_design(scanner), frames, mesh):
+            low, middle = timing.ms
+            STDOUT.print(
+                f"{timing.name}, {timing.size}: {low:.1f} / {middle:.1f} ms a picture (minimum / median), "
+                f"{1000 / middle:.0f} a second in the middle (target 50)"
             )

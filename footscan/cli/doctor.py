@@ -45,7 +45,7 @@ def doctor(
     elif not troubles:
         STDOUT.print("Everything is in order.")
     if troubles:
-        more = f" and {len(troubles) - 1} more" if len(troubles) > 1 else ""
+        more = f" ({len(troubles) - 1} more of such trouble)" if len(troubles) > 1 else ""
         raise DeviceError(f"{troubles[0].device}: {troubles[0].sentence}{more}")
 
 

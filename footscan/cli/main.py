@@ -3,6 +3,7 @@
 import os
 import sys
 import traceback
+from typing import Any
 
 import cv2
 import typer
@@ -50,20 +51,45 @@ app.add_typer(study_app, name="study")
 app.add_typer(patients_app, name="patients")
 
 
+_UsageError = typer.BadParameter.__bases__[0]
+"""Of whatever copy of Click this Typer uses."""
+
+
 def run() -> None:
     """Run the command line; exit status 0 done, 2 wrong use or bad input, 3 device trouble, 4 refused by a gate."""
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # its warnings are told in our own words
     try:
-        app()
+        sys.exit(app(prog_name="footscan", standalone_mode=False))
     except FootscanError as err:
         print(f"footscan: {err}", file=sys.stderr)
         sys.exit(err.exit_status)
+    except typer.Abort:
+        print("footscan: stopped by Ctrl-C, or nobody answered the question.", file=sys.stderr)
+        sys.exit(2)
     except Exception as err:  # noqa: BLE001  the last line of defence: nobody should have to read a traceback
+        if isinstance(err, _UsageError):
+            if type(err).__name__ == "NoArgsIsHelpError":
+                err.show()
+            else:
+                print(f"footscan: {_usage_sentence(err)}", file=sys.stderr)
+            sys.exit(2)
         if os.environ.get("FOOTSCAN_DEBUG"):
             traceback.print_exc()
         what = f"{type(err).__name__}: {err}"
         print(f"footscan: internal error ({what}). Set FOOTSCAN_DEBUG=1, repeat, and report it.", file=sys.stderr)
         sys.exit(1)
+
+
+def _usage_sentence(err: Any) -> str:
+    """What is wrong with a command line, and where its options are explained."""
+    what = (
+        " ".join(str(err.format_message()).split())
+        .removeprefix("Invalid value: ")
+        .replace("Value error, ", "")
+        .rstrip(".")
+    )
+    command = err.ctx.command_path if err.ctx is not None else "footscan"
+    return f"{what}. `{command} --help` lists what is allowed."
 
 
 if __name__ == "__main__":

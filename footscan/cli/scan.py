@@ -3,7 +3,7 @@
 import shlex
 import signal
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -105,7 +105,8 @@ def _sweep(session: Session, settings: ScanSettings, calibration: Calibration, q
     teller = _Teller(quiet)
     findings = prepare_machine(session, settings, teller)
     for finding in findings:
-        STDERR.print(f"{finding.cause}: {finding.sentence}")
+        if not finding.blocking:  # the others are the error that ends it
+            STDERR.print(f"{finding.cause}: {finding.sentence}")
     refuse_findings(findings)
     record_scan(session, settings, calibration, teller)
 
@@ -198,8 +199,13 @@ def _calibration(rig: Rig, given: Path | None, data: Path, quiet: bool) -> Calib
 
 
 def _confirm(yes: bool) -> None:
-    if not yes and not typer.confirm(FACES, default=False, err=True):
-        raise InterlockError("not confirmed: lasers and motor stay off.")
+    if yes:
+        return
+    confirmed = False
+    with suppress(typer.Abort):  # nobody is there to answer
+        confirmed = typer.confirm(FACES, default=False, err=True)
+    if not confirmed:
+        raise InterlockError("not confirmed: lasers and motor stay off; look, then answer y, or give --yes.")
 
 
 class _Teller:

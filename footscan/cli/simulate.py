@@ -11,7 +11,7 @@ from footscan.cli.console import STDOUT, progress_bar
 from footscan.config import load_board, load_scanner
 from footscan.coordinates import Side
 from footscan.sim.artefacts import ArtefactChoice
-from footscan.sim.board import NO_FAULTS, PrintFaults
+from footscan.sim.board import PrintFaults
 from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN, MovedBoard
 from footscan.sim.obstacles import OBSTACLES
 from footscan.workflow.designs import builtin_scanner
@@ -22,7 +22,22 @@ BOARD = "board"
 _OBJECT = "A mesh file, or foot, board, sphere, ball-bar, plane."
 
 
+_BOARD_ONLY = ("board_file", "print_scale", "bow", "slip")
+_ARTEFACT = ("at", "heading", "tilt")
+_SCAN = ("side", "unit", "frames", "obstacle", "unlit_every", "alternate", "exposure")
+_KNOBS: dict[str, tuple[str, ...]] = {
+    BOARD: _BOARD_ONLY,
+    "foot": (*_SCAN, "size"),
+    "sphere": (*_SCAN, "diameter", "at"),
+    "ball-bar": (*_SCAN, "diameter", "spacing", *_ARTEFACT),
+    "plane": (*_SCAN, *_ARTEFACT),
+}
+"""Which options mean something for which object; all others are a mesh or a body without options."""
+_ALWAYS = ("thing", "out", "scanner", "seed", "ideal", "side", "unit")
+
+
 def simulate(  # one option a knob: the command is the list of them
+    context: typer.Context,
     thing: Annotated[str, typer.Argument(metavar="OBJECT", help=_OBJECT)],
     out: Annotated[Path, typer.Argument(help="Folder for the recording; must not hold one already.")],
     unit: Annotated[Unit, typer.Option(help="Unit of the mesh file.")] = "mm",
@@ -58,9 +73,8 @@ def simulate(  # one option a knob: the command is the list of them
     number = None if ideal else (seed or 0)
     scale_x, scale_y = _numbers("--print-scale", print_scale, 2)
     faults = PrintFaults(scale_x, scale_y, bow)
+    _refuse_idle_options(context, thing)
     if thing == BOARD:
-        if obstacle or unlit_every or alternate:
-            raise typer.BadParameter("--obstacle, --unlit-every and --alternate belong to a scan, not to a board.")
         moved = MovedBoard(slip, DEFAULT_CALIBRATION_PLAN.stops // 2) if slip is not None else None
         board = load_board(board_file) if board_file is not None else DEFAULT_CALIBRATION_PLAN.board
         plan = replace(DEFAULT_CALIBRATION_PLAN, board=board, faults=faults, moved=moved)
@@ -68,8 +82,6 @@ def simulate(  # one option a knob: the command is the list of them
             simulate_board(design, plan, number, out, progress)
         STDOUT.print(f"Calibration recording in {out}; the machine's true calibration and the board's true poses too.")
         return
-    if faults != NO_FAULTS or slip is not None or board_file is not None:
-        raise typer.BadParameter("--board, --print-scale, --bow and --slip belong to OBJECT board.")
     artefact = ArtefactChoice(
         diameter_mm=diameter,
         spacing_mm=spacing,
@@ -83,6 +95,25 @@ def simulate(  # one option a knob: the command is the list of them
     with progress_bar("frames", quiet=False) as progress:
         simulate_scan(design, settings, out, progress)
     STDOUT.print(f"Recording in {out}; the machine's true calibration and the true surface lie beside it.")
+
+
+def _refuse_idle_options(context: typer.Context, thing: str) -> None:
+    """An option that would change nothing is a mistake in the command, not in the recording.
+
+    Raises:
+        BadParameter: An option that belongs to another object.
+    """
+    meaningful = {*_ALWAYS, *_KNOBS.get(thing, _SCAN)}
+    options = {str(option.name): option.opts[0] for option in context.command.params}
+    for name, value in context.params.items():
+        source = context.get_parameter_source(name)
+        if name not in meaningful and source is not None and source.name == "COMMANDLINE" and value is not None:
+            owners = [owner for owner, own in _KNOBS.items() if name in own] or ["a scan"]
+            raise typer.BadParameter(f"{options[name]} means nothing for OBJECT {thing}; it belongs to {_or(owners)}.")
+
+
+def _or(names: list[str]) -> str:
+    return " or ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def _place(text: str | None) -> tuple[float, float, float] | None:

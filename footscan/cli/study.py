@@ -1,15 +1,19 @@
 """`footscan study ...`: seeded simulations that measure what a part of footscan is worth."""
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
-from footscan.cli.console import STDOUT, print_json, progress_bar
-from footscan.errors import InputError
-from footscan.workflow.designs import builtin_scanner
+from footscan import app as rig_app
+from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
+from footscan.config.rig_file import load_rig
+from footscan.errors import ConfigError, InputError, QualityError
+from footscan.workflow.designs import builtin_config, builtin_scanner
+from footscan.workflow.driver_study import BAUDS, DIALECTS, REPLAYED_MM, SAME_MM, DriverRun, run_driver_study
 from footscan.workflow.motion_study import CALIBRATIONS, Outcome, Tally, outcome_report, run_study, study_cases, tally
 
 study_app = typer.Typer(help="Seeded simulations that say what a part of footscan is worth.", no_args_is_help=True)
@@ -92,3 +96,57 @@ def _tally_row(t: Tally) -> dict[str, Any]:
         "still": t.still,
         "still_called_moved": t.still_called_moved,
     }
+
+
+@study_app.command("drivers")
+def study_drivers(
+    rig: Annotated[Path | None, typer.Option(help="Rig file of emulators; default: configs/rig-emulated.toml.")] = None,
+    dialect: Annotated[
+        list[str] | None, typer.Option(help="Of the output module; may be repeated. Default: adam4055, i7050.")
+    ] = None,
+    baud: Annotated[
+        list[int] | None, typer.Option(help="Of its port; may be repeated. Default: 115200 and 9600.")
+    ] = None,
+    json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """One foot by the pure simulation and over real drivers on emulators, in real time: the same cloud?"""
+    chosen = load_rig(rig if rig is not None else builtin_config("rig-emulated"))
+    if not chosen.devices.emulated or chosen.devices.simulated:
+        raise ConfigError(f"{chosen.path}: all its devices must be emulated; take configs/rig-emulated.toml.")
+    bauds = tuple(baud or BAUDS)
+    dialects = tuple(known for known in DIALECTS if dialect is None or known in dialect)
+    unknown = [*sorted(set(bauds) - set(BAUDS)), *sorted(set(dialect or ()) - set(DIALECTS))]
+    if unknown:
+        known = ", ".join(map(str, (*BAUDS, *DIALECTS)))
+        raise InputError(f"{unknown[0]} is not studied; choose from {known}.")
+    truth = rig_app.true_machine(chosen).calibration
+    runs: list[DriverRun] = []
+    for run in run_driver_study(chosen, truth, rig_app.open_rig, dialects, bauds):
+        runs.append(run)
+        if not json_only:
+            STDERR.print(f"{run.name}: {'well' if run.well else 'NOT WELL'}")
+    if json_only:
+        print_json({"runs": [asdict(run) | {"well": run.well} for run in runs]})
+    else:
+        STDOUT.print(_driver_table(runs))
+    bad = [run.name for run in runs if not run.well]
+    if bad:
+        raise QualityError(f"clouds differ by more than {SAME_MM} or {REPLAYED_MM} mm, or frames are missing: {bad}.")
+
+
+def _driver_table(runs: list[DriverRun]) -> Table:
+    table = Table(title="RMS, mm: from the true skin (also turned back by what homing was off), simulated skin, replay")
+    for column in ("devices", "frames", "lost", "true skin", "turned back", "homing off", "simulated", "replayed"):
+        table.add_column(column, justify="left" if column == "devices" else "right")
+    for run in runs:
+        table.add_row(
+            run.name,
+            f"{run.frames.kept} of {run.frames.captured}",
+            str(run.frames.lost),
+            f"{run.truth_mm:.3f}",
+            f"{run.turned_mm:.3f}",
+            f"{run.home_off_deg:+.2f} deg",
+            "" if run.same_mm is None else f"{run.same_mm:.3f}",
+            "" if run.replayed_mm is None or run.paired is None else f"{run.replayed_mm:.3f} ({run.paired:.1%})",
+        )
+    return table

@@ -16,6 +16,9 @@ from footscan.optics.scanner import Scanner
 TOE_RADIUS_MM = 140.0
 """Where stripe spacing is stated: the tip of a long foot that stands with its middle on the axis."""
 
+MOST_BLOCKED_DEG = 120.0
+"""From 60 degrees without skin on a scan is refused; one laser's sector is made good by the other's."""
+
 REACTION_S = 0.1
 """A busy computer may be this late in switching the motor off."""
 
@@ -96,6 +99,9 @@ class MotionModel(Strict):
             )
         if any(not first < second for first, second in self.blocked_deg):
             yield f"each of blocked_deg goes from low to high, found {[list(pair) for pair in self.blocked_deg]}"
+        dark = sum(min(second - first, 360.0) for first, second in self.blocked_deg)
+        if dark > MOST_BLOCKED_DEG:
+            yield f"blocked_deg covers {dark:g} degrees, at most {MOST_BLOCKED_DEG:g} leave a foot to be seen"
         park = 0.5 * (self.home_deg + begin)
         if any((park - first) % 360.0 <= second - first for first, second in self.blocked_deg):
             yield f"the head parks at {park:g} degrees, inside blocked_deg; the lasers are tried there before each scan"

@@ -76,26 +76,43 @@ def load_file(path: Path, kind: str, model: type[Model]) -> Model:
     try:
         return model.model_validate(table)
     except ValidationError as err:
-        raise ConfigError(f"{path}: {_sentences(err)}") from None
+        raise ConfigError(f"{path}: {_sentences(err, table)}") from None
 
 
-def _sentences(err: ValidationError) -> str:
+def _sentences(err: ValidationError, table: Table) -> str:
     mistakes = err.errors(include_url=False)
-    shown = "; ".join(_sentence(dict(mistake)) for mistake in mistakes[:3])
+    shown = "; ".join(_sentence(dict(mistake), table) for mistake in mistakes[:3])
     more = f" (and {len(mistakes) - 3} more)" if len(mistakes) > 3 else ""
     return f"{shown}{more}."
 
 
-def _sentence(mistake: Table) -> str:
-    key = ".".join(str(part) for part in mistake["loc"]) or "file"
+def _sentence(mistake: Table, table: Table) -> str:
     kind, found = mistake["type"], mistake.get("input")
+    key = _key(mistake["loc"], table, missing=kind == "missing")
+    if kind == "union_tag_invalid":
+        context = mistake["ctx"]
+        kinds = context["expected_tags"].replace("'", '"')
+        return f'key "{key}.{context["discriminator"].strip(chr(39))}" is "{context["tag"]}", allowed is {kinds}'
     if kind == "extra_forbidden":
         return f'key "{key}" is unknown, remove it or correct its spelling'
     if kind == "missing":
         return f'key "{key}" is missing, add it'
     message = mistake["msg"].removeprefix("Value error, ").replace("valid tuple", "list")
     what = f" is {found!r}" if not isinstance(found, dict | list | tuple) else ""
-    return f'key "{key}"{what}: {message[0].lower()}{message[1:]}'
+    sentence = f"{message[0].lower()}{message[1:]}"
+    return f'key "{key}"{what}: {sentence}' if key else sentence
+
+
+def _key(place: tuple[str | int, ...], table: Table, missing: bool) -> str:
+    """A key as the file spells it: without the kinds by which one of several tables was chosen."""
+    parts: list[str] = []
+    here: Any = table
+    for number, part in enumerate(place):
+        inside = part in here if isinstance(here, dict) else isinstance(here, list)
+        if inside or (missing and number == len(place) - 1):
+            parts.append(str(part))
+            here = here[part] if inside else None
+    return ".".join(parts)
 
 
 def write_whole(path: Path, content: bytes) -> None:

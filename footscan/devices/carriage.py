@@ -161,8 +161,13 @@ class Carriage:
         """The counter cannot be trusted any more."""
         self.homed = False
 
+    @property
+    def newest_s(self) -> float:
+        """When the newest sample was taken."""
+        return float(self._recent.time_s[-1]) if len(self._recent) else -np.inf
+
     def count_at(self, time_s: float) -> float:
-        """The counter at a recent moment, between samples interpolated."""
+        """The counter at a recent moment up to `newest_s`, between samples interpolated."""
         return float(np.interp(time_s, self._recent.time_s, self._recent.count))
 
     def _theta(self, count: Floats) -> Floats:

@@ -1,5 +1,6 @@
 """What is right and wrong with the devices of a rig, in words: for `footscan doctor`. Nothing is switched on."""
 
+import math
 import os
 import time
 from collections.abc import Iterator
@@ -30,6 +31,7 @@ _LISTEN_S = 0.6
 _FRAMES = 20
 _RATE_ERROR = 0.05
 _SWITCHINGS = 5
+_FAST_BAUD = 115200
 
 
 @dataclass(frozen=True)
@@ -147,9 +149,10 @@ def _module_findings(module: AdamIo, model: AdamModel, switching_s: float | None
     at = f"{model.dialect} at address {model.address}, {model.baud} baud"
     yield Finding("io", "good", f"{at}: everything is off and confirmed in {1000 * took_s:.0f} ms.")
     if switching_s is not None and took_s > switching_s:
+        quicker = "" if model.baud >= _FAST_BAUD else "set the module to 115200 baud, or "
         sentence = (
             f"switching a laser and reading it back takes {1000 * took_s:.0f} ms, switching_s says "
-            f"{1000 * switching_s:.0f} ms; set the module to 115200 baud, or accept the lost frames and correct it."
+            f"{1000 * switching_s:.0f} ms; {quicker}set switching_s = {_rounded_up(took_s):g}."
         )
         yield Finding("io", "remark", sentence)
     if not model.checksum:
@@ -161,6 +164,10 @@ def _module_findings(module: AdamIo, model: AdamModel, switching_s: float | None
         yield Finding("io", "trouble", sentence)
     if inputs.watchdog_tripped:
         yield Finding("io", "remark", "the module's watchdog has tripped earlier; arming clears it.")
+
+
+def _rounded_up(seconds: float) -> float:
+    return math.ceil(1000 * seconds) / 1000
 
 
 def _switching_s(module: AdamIo) -> float:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 _BUSY = (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK)
 _DENIED = (errno.EACCES, errno.EPERM)
+_NO_PORT = os.strerror(errno.ENOTTY)
 _MISSING = (errno.ENOENT, errno.ENXIO, errno.ENODEV)
 
 
@@ -21,7 +22,8 @@ def opening_sentence(path: Path, err: Exception) -> str:
         return f"{path} may not be opened by this user; {permission_advice(path)}."
     if number in _BUSY:
         return f"{path} is used by {holders_words(path)}; end that program, then start again."
-    return f"{path} cannot be used as a serial port ({err}); give the path of the device's port."
+    why = "" if _NO_PORT in str(err) else f" ({err})"
+    return f"{path} is no serial port{why}; give the path that `ls {_neighbours(path)}` shows."
 
 
 def gone_sentence(path: str) -> str:

@@ -36,7 +36,7 @@ class FoundQsb:
 def find_qsb(port: str, first_baud: int) -> FoundQsb | None:
     """A QSB at the given or any other speed; its streams are stopped."""
     for baud in _beginning_with(first_baud, BAUDS):
-        with _opened(port, baud) as line, contextlib.suppress(DeviceError):
+        with contextlib.suppress(DeviceError), _opened(port, baud) as line:
             return FoundQsb(identify(line), baud)
     return None
 
@@ -48,9 +48,9 @@ def find_module(port: str, first: FoundModule) -> FoundModule | None:
 
 def _modules(port: str, first: FoundModule) -> Iterator[FoundModule]:
     for baud in _beginning_with(first.baud, BAUDS):
-        with _opened(port, baud) as line:
+        with contextlib.suppress(DeviceError), _opened(port, baud) as line:
             yield from _answers(line, baud, (first.address,))
-    with _opened(port, first.baud) as line:
+    with contextlib.suppress(DeviceError), _opened(port, first.baud) as line:
         yield from _answers(line, first.baud, _ADDRESSES)
 
 

@@ -9,7 +9,8 @@ from footscan.coordinates import LASER_NAMES, Floats, Frame
 from footscan.devices.carriage import SILENT_S
 from footscan.devices.values import ALL_OFF, CameraFacts, CameraFrame, EncoderReading, EncoderSamples, Inputs, Outputs
 from footscan.errors import CameraLostError, EncoderLostError, OutputsLostError
-from footscan.sim.calibration_run import CALIBRATION_PICTURE
+from footscan.sim.calibration_run import CALIBRATION_PICTURE, stand_board
+from footscan.sim.clock import VirtualClock
 from footscan.sim.picture import Painter
 from footscan.sim.world import World
 
@@ -73,8 +74,17 @@ class SimCamera:
         return Painter(self._world.machine.calibration, self._painted.surface, settings.picture, settings.seed)
 
     def warm_up(self) -> None:
-        """Paint once with both lasers, so that nothing has to be compiled while time runs."""
+        """Use all that is compiled at first use, before time runs: compiling holds the other threads up.
+
+        Whoever stands there moves once, both lasers are painted once, and so is a board, which may be put there later.
+        """
+        vertices = self._painted.xyz_world_at(0.0)
+        if vertices is not None:
+            self._painter.set_vertices(vertices)
         self._painter.paint(0.0, LASER_NAMES, 0)
+        if not isinstance(self._world.clock, VirtualClock):  # virtual time waits for those who compile
+            machine = self._world.machine.calibration
+            Painter.of_board(machine, stand_board(0), CALIBRATION_PICTURE).paint(0.0, LASER_NAMES, 0)
 
     def expose(self, exposed_s: float, number: int) -> Frame:
         """The picture of a moment; `number` seeds its noise. For one thread at a time."""

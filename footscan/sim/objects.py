@@ -35,6 +35,8 @@ def build_object(name: str, unit: str = "mm", side: Side = "left", size: float =
             return build_artefact(name).surface
         case "cylinder":
             return build_cylinder(40.0, 120.0)
+        case _ if not Path(name).suffix and not Path(name).exists():
+            raise InputError(f"there is no object {name!r}; give {', '.join(OBJECT_NAMES)}, or a mesh file.")
         case _:
             return _within_reach(stand_on_board(load_surface(Path(name), unit)), name)
 

@@ -79,7 +79,11 @@ def refuse_used_folder(folder: Path) -> None:
 
     Raises:
         RecordingError: The folder holds a recording already.
+        StorageError: It is no folder, or cannot be one.
     """
+    place = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    if not place.is_dir():
+        raise StorageError(f"{place} is a file, no folder for a scan; choose another place.")
     if (folder / RECORDING / "recording.toml").exists():
         raise RecordingError(f"{folder} already holds a recording; choose another folder, nothing is overwritten.")
 

@@ -5,15 +5,17 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from footscan.config import RecordingInfo
 from footscan.config.rig_file import Rig
-from footscan.coordinates import Frame
+from footscan.coordinates import Floats, Frame
 from footscan.devices.clock import Clock
 from footscan.devices.values import CameraFacts, CameraFrame
 from footscan.errors import CameraLostError
+from footscan.optics.tables import LightTable
 from footscan.scanning.session.control import Session, SessionSetup
 from footscan.scanning.session.plan import ScanPlan, plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
@@ -62,6 +64,19 @@ class ReplayCamera:
         self._closed = True
 
 
+class SlowTable:
+    """A calibration table whose reader is held up: a computer that is too slow for the live view."""
+
+    def __init__(self, table: LightTable, clock: Clock, slowed_s: float) -> None:
+        self._table, self._clock, self._slowed_s = table, clock, slowed_s
+        self.world_from_light = table.world_from_light
+
+    def lookup(self, uv: Floats) -> Floats:
+        """As the table, late."""
+        self._clock.wait(self._clock.now_s() + self._slowed_s)
+        return self._table.lookup(uv)
+
+
 @dataclass(frozen=True)
 class SessionBench:
     """One scan at one rate: what became of the frames, and the rate at which all of them were on disk."""
@@ -72,8 +87,17 @@ class SessionBench:
     sustained_per_s: float
 
 
-def bench_session(rig: Rig, opened: OpenedRig, setup: SessionSetup, frames_per_s: float) -> SessionBench:
+def bench_session(
+    rig: Rig, opened: OpenedRig, setup: SessionSetup, frames_per_s: float, slowed_s: float = 0.0
+) -> SessionBench:
     """Two sweeps with frames at a given rate, in real time.
+
+    Args:
+        rig: Of simulated devices.
+        opened: The same, opened.
+        setup: With a calibration.
+        frames_per_s: Of the camera.
+        slowed_s: How long processing for the live view is held up at each frame, on purpose.
 
     Raises:
         DeviceError: The machine stopped.
@@ -81,7 +105,11 @@ def bench_session(rig: Rig, opened: OpenedRig, setup: SessionSetup, frames_per_s
     assert setup.calibration is not None
     real = opened.devices.camera.facts()
     facts = replace(real, frames_per_s=frames_per_s)
-    camera = ReplayCamera(_pictures(opened), facts, setup.calibration.latency_s, opened.devices.clock)
+    clock = opened.devices.clock
+    camera = ReplayCamera(_pictures(opened), facts, setup.calibration.latency_s, clock)
+    if slowed_s and setup.tables is not None:
+        tables = {name: cast("LightTable", SlowTable(table, clock, slowed_s)) for name, table in setup.tables.items()}
+        setup = replace(setup, tables=tables)
     session = Session(replace(opened.devices, camera=camera), setup)
     session.start()
     try:

@@ -86,7 +86,11 @@ def test_a_profile_that_does_not_exist_names_those_that_do(tmp_path: Path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('kind = "simulated"\n\n[devices.encoder]', 'kind = "webcam"\n\n[devices.encoder]', "webcam"),
+        (
+            'kind = "simulated"\n\n[devices.encoder]',
+            'kind = "webcam"\n\n[devices.encoder]',
+            '"devices.camera.kind" is "webcam", allowed is "simulated"',
+        ),
         ("sweep_deg = [-5.0, 365.0]", "sweep_deg = [-5.0, 300.0]", "at least 360"),
         ("travel_deg = [-25.0, 385.0]", "travel_deg = [-6.0, 366.0]", "must lie between"),
         ("speeds_deg_per_s = [18.75, 37.5, 60.0]", "speeds_deg_per_s = [60.0, 30.0]", "must be positive and rise"),
@@ -94,6 +98,7 @@ def test_a_profile_that_does_not_exist_names_those_that_do(tmp_path: Path):
         ("max_on_s = 60.0", "max_on_s = 15.0", "longer than max_on_s"),
         ("home_deg = -10.0", "home_deg = -24.0", "lie between travel_deg and home_deg"),
         ("blocked_deg = []", "blocked_deg = [[350.0, 355.0]]", "parks at -7.5 degrees, inside blocked_deg"),
+        ("blocked_deg = []", "blocked_deg = [[0.0, 352.0]]", "covers 352 degrees, at most 120 leave a foot to be seen"),
         ("switching_s = 0.002", "switching_ms = 2", "switching_ms"),
         ('object = "foot"', 'object = "/no/such.stl"', "/no/such.stl"),
     ],
@@ -118,6 +123,19 @@ def test_doctor_finds_the_simulated_machine_in_order(tmp_path: Path):
     assert result.exit_code == 0
     assert {finding["device"] for finding in findings} == {"disk", "calibration", "camera", "encoder", "io"}
     assert {finding["grade"] for finding in findings} == {"good"}
+
+
+def test_without_an_answer_lasers_and_motor_stay_off(tmp_path: Path):
+    result = RUN.invoke(app, ["scan", "--side", "left", "--fast", "--data", str(tmp_path)], input="")
+
+    assert "not confirmed: lasers and motor stay off" in str(result.exception)
+
+
+def test_a_file_is_no_place_for_a_scan(tmp_path: Path):
+    (tmp_path / "file").touch()
+    words = ["scan", "--side", "left", "--yes", "--fast", "--out", str(tmp_path / "file/scan"), "--data", str(tmp_path)]
+
+    assert "is a file, no folder for a scan" in str(RUN.invoke(app, words).exception)
 
 
 def test_doctor_says_what_a_machine_lacks(tmp_path: Path):

@@ -31,6 +31,14 @@ def test_a_good_encoder_is_said_to_be_good(plug_qsb):
     assert "QSB-D number 1234, firmware 19: 51" in findings[0].sentence
 
 
+def test_a_file_that_is_no_serial_port_is_named_as_such_for_both_devices(plug_qsb, plug_io):
+    model = plug_qsb().model().model_copy(update={"port": "/dev/zero"})
+    module = plug_io().model.model_copy(update={"port": "/dev/null"})
+
+    assert words(list(encoder_findings(model)), "trouble").startswith("/dev/zero is no serial port; give the path")
+    assert words(list(io_findings(module)), "trouble").startswith("/dev/null is no serial port; give the path")
+
+
 def test_an_encoder_at_another_baud_rate_is_found(plug_qsb):
     qsb = plug_qsb(baud=115200)
     findings = list(encoder_findings(qsb.model(baud=230400)))

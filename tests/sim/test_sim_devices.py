@@ -55,6 +55,13 @@ class TestSimCamera(_InAWorld, CameraContract):
         for frame in numbers:
             assert frame.time_s == pytest.approx(started_s + frame.number / 25.0 + latency_s, abs=1e-9)
 
+    def test_before_time_runs_everything_is_used_once(self, world: World, clock: Clock):
+        moved: list[float] = []
+        world.standing.xyz_world_at = moved.append  # type: ignore[method-assign,assignment,return-value]
+        SimCamera(world, 25.0, 0.004).warm_up()
+
+        assert moved == [0.0]  # what moves a person is compiled at first use, and that takes seconds
+
 
 class TestSimEncoder(_InAWorld, EncoderContract):
     @pytest.fixture

@@ -9,8 +9,9 @@ import numpy as np
 from footscan.config import RecordingInfo, scanner_toml
 from footscan.coordinates import LaserName
 from footscan.devices.interlock import Purpose
-from footscan.errors import DeviceError, FootscanError, HeadStalledError, InterlockError, StorageError
+from footscan.errors import FootscanError, HeadStalledError, InterlockError, StorageError
 from footscan.scanning.recording import FrameSweep
+from footscan.scanning.session.home_edge import find_edge
 from footscan.scanning.session.machine import Machine, Program
 from footscan.scanning.session.plan import REST_S, ScanPlan, SweepLeg
 from footscan.scanning.session.session_file import COMPLETE, save_outcome
@@ -19,8 +20,6 @@ from footscan.scanning.session.states import State
 COUNTDOWN_S = 3.0
 _BEEP_S = 0.15
 _WRITING_S = 60.0
-EDGE_ROUND_S = 0.002
-"""Between two looks at the home switch while the head leaves it: what it is late by turns the whole foot."""
 HOLD_AT_MOST_S = 60.0
 _LEAD_S = 0.03
 """Beams go off this long before a blocked sector: a round, the switching, and the encoder's delay."""
@@ -50,21 +49,8 @@ def home(machine: Machine) -> Program:
     carriage.lose_home()
     if not carriage.at_rest:
         yield from machine.come_to_rest()
-    search = _search_step(machine)
-    if not machine.inputs.home:
-        carriage.turn(ccw=False, speed_step=search)
-        yield from machine.until(lambda: machine.inputs.home, _search_s(machine, search), lambda: _no_home(machine))
-        yield from machine.come_to_rest()
-    carriage.turn(ccw=True, speed_step=0)
-    before_s, gives_up_s = machine.inputs.time_s, machine.clock.now_s() + _search_s(machine, 0)
-    while machine.inputs.home:
-        before_s = machine.inputs.time_s
-        if machine.clock.now_s() > gives_up_s:
-            raise _no_home(machine)
-        machine.wake_s = machine.clock.now_s() + EDGE_ROUND_S
-        yield
-    edge_s = 0.5 * (before_s + machine.inputs.time_s)
-    carriage.set_home(home_count(machine), carriage.count_at(edge_s))
+    edge_counts = yield from find_edge(machine, _search_step(machine))
+    carriage.set_home(home_count(machine), edge_counts)
     yield from machine.come_to_rest()
     yield from machine.go_to(machine.park_rad)
     machine.say(State.PARKED)
@@ -83,18 +69,6 @@ def _search_step(machine: Machine) -> int:
     room_deg = motion.home_deg - motion.travel_deg[0]
     fits = [step for step, speed in enumerate(motion.speeds_deg_per_s) if motion.stopping_deg(speed) <= room_deg]
     return max(fits, default=0)
-
-
-def _search_s(machine: Machine, speed_step: int) -> float:
-    low, high = machine.motion.travel_deg
-    return 1.3 * (high - low) / machine.motion.speeds_deg_per_s[speed_step] + 2.0
-
-
-def _no_home(machine: Machine) -> DeviceError:
-    return HeadStalledError(
-        f"the home switch did not change while the head turned {'' if machine.inputs.home else 'clockwise '}through "
-        "its whole travel; check the switch, its cable and its input in the rig file."
-    )
 
 
 def scan(machine: Machine, order: ScanOrder) -> Program:
