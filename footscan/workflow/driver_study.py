@@ -19,9 +19,8 @@ from footscan.config import RecordingInfo, scanner_toml
 from footscan.config.device_models import SimulatedCamera, SimulatedEncoder, SimulatedIo
 from footscan.config.io_models import AdamModel, Dialect
 from footscan.config.rig_file import Rig
-from footscan.coordinates import Floats, Frame
+from footscan.coordinates import Frame
 from footscan.errors import DeviceError
-from footscan.geometry.nearest import PointTree
 from footscan.geometry.rigid import turn_z
 from footscan.optics.calibration import Calibration
 from footscan.scanning.angles import frame_angles
@@ -36,6 +35,7 @@ from footscan.scanning.sweep import SweepSettings
 from footscan.sim.picture import Painter
 from footscan.sim.surface import Surface
 from footscan.sim.world import World
+from footscan.workflow.cloud_comparison import HEIGHTS_MM, points_apart, rms, skins_apart
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings, ScanResult, build_tables, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
@@ -45,13 +45,8 @@ DIALECTS: tuple[Dialect, ...] = ("adam4055", "i7050")
 BAUDS = (115200, 9600)
 SWITCHING_S = {115200: 0.010, 9600: 0.040}
 SAME_MM, REPLAYED_MM = 0.05, 0.02
-_HEIGHTS_MM = (3.0, 95.0)
 _FARTHEST_TURN_RAD = np.deg2rad(1.0)
-_NEIGHBOURS = 12
 _ATTEMPTS = 4
-_REACH_MM = 5.0
-_FRAME_APART_MM = 1000.0
-_SAME_POINT_MM = 0.5
 _INFO = RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00", "driver study")
 
 
@@ -110,8 +105,8 @@ def run_driver_study(
                 name = f"{dialect} {baud} baud"
                 seen = _scanned(_with_module(rig, dialect, baud), calibration, open_rig, Path(folder) / name)
                 replay = _replayed(seen, calibration, Path(folder) / f"{name} replayed")
-                distance_mm, paired = _points_apart(seen.whole, replay)
-                same_mm = _skins_apart(seen.result.cloud, pure.result.cloud)
+                distance_mm, paired = points_apart(seen.whole, replay)
+                same_mm = skins_apart(seen.result.cloud, pure.result.cloud)
                 yield replace(_judged(name, seen), same_mm=same_mm, replayed_mm=distance_mm, paired=paired)
 
 
@@ -230,48 +225,16 @@ def _replayed(seen: _Seen, calibration: Calibration, folder: Path) -> Cloud:
 
 def _judged(name: str, seen: _Seen) -> DriverRun:
     z = seen.result.cloud.xyz_world[:, 2]
-    xyz = seen.result.cloud.xyz_world[(z > _HEIGHTS_MM[0]) & (z < _HEIGHTS_MM[1])]
+    xyz = seen.result.cloud.xyz_world[(z > HEIGHTS_MM[0]) & (z < HEIGHTS_MM[1])]
 
     def off_mm(turn_rad: float, every: int = 1) -> float:
         turned = xyz[::every] @ turn_z(turn_rad)[:3, :3].T
-        return _rms(distance_to_surface_mm(turned, seen.body.xyz_world, seen.body.faces))
+        return rms(distance_to_surface_mm(turned, seen.body.xyz_world, seen.body.faces))
 
     bounds = (-_FARTHEST_TURN_RAD, _FARTHEST_TURN_RAD)
     best = minimize_scalar(lambda turn: off_mm(float(turn), 7), bounds=bounds, method="bounded")
     return DriverRun(name, seen.frames, off_mm(0.0), off_mm(float(best.x)), float(np.rad2deg(-best.x)))
 
 
-def _points_apart(one: Cloud, other: Cloud) -> tuple[float, float]:
-    """RMS distance of points of the same frame, and the share of points that have a partner."""
-    own, others = (np.column_stack([c.xyz_world, _FRAME_APART_MM * c.frame]) for c in (one, other))
-    distance, _ = PointTree(others).nearest(own, 1, _SAME_POINT_MM)
-    paired = np.isfinite(distance[:, 0])
-    return _rms(distance[paired, 0]), float(paired.mean())
-
-
-def _skins_apart(one: Cloud, other: Cloud) -> float:
-    """RMS distance of the middles of 12 neighbours of one cloud to the planes through 12 neighbours of the other."""
-    middles, _ = _patches(one.xyz_world, one.xyz_world[::3])
-    others, normals = _patches(other.xyz_world, middles)
-    off = np.abs(np.sum((middles - others) * normals, axis=1))
-    z = middles[:, 2]
-    return _rms(off[(z > _HEIGHTS_MM[0]) & (z < _HEIGHTS_MM[1]) & np.isfinite(off)])
-
-
-def _patches(xyz: Floats, queries: Floats) -> tuple[Floats, Floats]:
-    """Middles `(m, 3)` and normals `(m, 3)` of the points around some places; NaN where fewer than 12 are near."""
-    distance, index = PointTree(xyz).nearest(queries, _NEIGHBOURS, _REACH_MM)
-    whole = np.isfinite(distance).all(axis=1)
-    near = xyz[np.where(whole[:, None], index, 0)]
-    middle = near.mean(axis=1)
-    centred = near - middle[:, None]
-    normal = np.linalg.eigh(np.swapaxes(centred, 1, 2) @ centred)[1][:, :, 0]
-    return np.where(whole[:, None], middle, np.nan), normal
-
-
 def _rejected(frames: FrameCount) -> int:
     return sum(frames.rejected.values())
-
-
-def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(values**2)))
