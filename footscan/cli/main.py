@@ -68,10 +68,7 @@ def run() -> None:
         sys.exit(2)
     except Exception as err:  # noqa: BLE001  the last line of defence: nobody should have to read a traceback
         if isinstance(err, _UsageError):
-            if type(err).__name__ == "NoArgsIsHelpError":
-                err.show()
-            else:
-                print(f"footscan: {_usage_sentence(err)}", file=sys.stderr)
+            _tell_usage(err)
             sys.exit(2)
         if os.environ.get("FOOTSCAN_DEBUG"):
             traceback.print_exc()
@@ -80,8 +77,11 @@ def run() -> None:
         sys.exit(1)
 
 
-def _usage_sentence(err: Any) -> str:
-    """What is wrong with a command line, and where its options are explained."""
+def _tell_usage(err: Any) -> None:
+    """What is wrong with a command line, and where its options are explained; without arguments, the help."""
+    if type(err).__name__ == "NoArgsIsHelpError":
+        err.show()
+        return
     what = (
         " ".join(str(err.format_message()).split())
         .removeprefix("Invalid value: ")
@@ -89,7 +89,7 @@ def _usage_sentence(err: Any) -> str:
         .rstrip(".")
     )
     command = err.ctx.command_path if err.ctx is not None else "footscan"
-    return f"{what}. `{command} --help` lists what is allowed."
+    print(f"footscan: {what}. `{command} --help` lists what is allowed.", file=sys.stderr)
 
 
 if __name__ == "__main__":

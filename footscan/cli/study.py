@@ -114,7 +114,7 @@ def study_drivers(
     if not chosen.devices.emulated or chosen.devices.simulated:
         raise ConfigError(f"{chosen.path}: all its devices must be emulated; take configs/rig-emulated.toml.")
     bauds = tuple(baud or BAUDS)
-    dialects = tuple(known for known in DIALECTS if dialect is None or known in dialect)
+    dialects = tuple(kind for kind in DIALECTS if dialect is None or dialect.count(kind))
     unknown = [*sorted(set(bauds) - set(BAUDS)), *sorted(set(dialect or ()) - set(DIALECTS))]
     if unknown:
         known = ", ".join(map(str, (*BAUDS, *DIALECTS)))

@@ -47,7 +47,7 @@ def _by_frame(cloud: Cloud) -> Floats:
 def _patches(xyz: Floats, queries: Floats) -> tuple[Floats, Floats, Bools]:
     """Middles `(m, 3)` and normals `(m, 3)` of the points around some places, and where 12 of them are near."""
     distance, index = PointTree(xyz).nearest(queries, _NEIGHBOURS, _REACH_MM)
-    whole: Bools = np.isfinite(distance).all(axis=1)
+    whole: Bools = np.asarray(np.all(np.isfinite(distance), axis=1))
     near: Floats = xyz[np.where(np.isfinite(distance), index, 0)]
     middle: Floats = near.mean(axis=1)
     centred = near - middle[:, None]

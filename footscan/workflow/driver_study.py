@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -232,7 +233,7 @@ def _judged(name: str, seen: _Seen) -> DriverRun:
         return rms(distance_to_surface_mm(turned, seen.body.xyz_world, seen.body.faces))
 
     bounds = (-_FARTHEST_TURN_RAD, _FARTHEST_TURN_RAD)
-    best = minimize_scalar(lambda turn: off_mm(float(turn), 7), bounds=bounds, method="bounded")
+    best: Any = minimize_scalar(lambda turn: off_mm(float(turn), 7), bounds=bounds, method="bounded")
     return DriverRun(name, seen.frames, off_mm(0.0), off_mm(float(best.x)), float(np.rad2deg(-best.x)))
 
 
