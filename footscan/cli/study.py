@@ -10,6 +10,7 @@ from rich.table import Table
 
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
+from footscan.config.io_models import Dialect
 from footscan.config.rig_file import load_rig
 from footscan.errors import ConfigError, InputError, QualityError
 from footscan.workflow.designs import builtin_config, builtin_scanner
@@ -114,7 +115,7 @@ def study_drivers(
     if not chosen.devices.emulated or chosen.devices.simulated:
         raise ConfigError(f"{chosen.path}: all its devices must be emulated; take configs/rig-emulated.toml.")
     bauds = tuple(baud or BAUDS)
-    dialects = tuple(kind for kind in DIALECTS if dialect is None or dialect.count(kind))
+    dialects: tuple[Dialect, ...] = tuple(kind for kind in DIALECTS if dialect is None or dialect.count(kind))
     unknown = [*sorted(set(bauds) - set(BAUDS)), *sorted(set(dialect or ()) - set(DIALECTS))]
     if unknown:
         known = ", ".join(map(str, (*BAUDS, *DIALECTS)))
