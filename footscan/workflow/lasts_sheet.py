@@ -35,6 +35,7 @@ _ROW_MM = 4.1
 _INCH_MM = 25.4
 _SAMPLING = Sampling(720, 160, 12)
 _TAPES = ("ball", "waist", "instep", "short_heel", "long_heel")
+_LABEL_MM = np.array([1.0, 1.5])
 _LINE_COLOUR, _OUTLINE_COLOUR = "tab:blue", "red"
 
 
@@ -131,7 +132,7 @@ def _tape_labels(lines: Mapping[str, tuple[Floats, Floats]]) -> dict[str, Floats
     for name, top in tops.items():
         near = [other for other, there in tops.items() if np.linalg.norm(there - top) < 4.0]
         if near[0] == name:
-            labels[", ".join(each.removesuffix("_tape").replace("_", " ") for each in near)] = top + [1.0, 1.5]
+            labels[", ".join(each.removesuffix("_tape").replace("_", " ") for each in near)] = top + _LABEL_MM
     return labels
 
 
