@@ -1,5 +1,6 @@
 """Exact signed distance of points to a closed triangle mesh, by a tree of boxes and pseudo-normals."""
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from footscan.geometry.mesh_distance_loops import (
     corner_normals,
     find_nearest,
     morton_codes,
+    split_by_halves,
 )
 
 _CELLS = 1024.0
@@ -47,19 +49,31 @@ class DistanceMesh:
         self.xyz = np.ascontiguousarray(xyz, dtype=np.float64)
         self._low = self.xyz.min(axis=0)
         self._cell = max(float(np.ptp(self.xyz, axis=0).max()), 1e-9) / _CELLS
-        middle = self.xyz[faces].mean(axis=1)
-        self._order = np.argsort(morton_codes(middle, self._low, self._cell), kind="stable")
-        self._faces = np.ascontiguousarray(faces[self._order], dtype=np.int64)
         leaves = 1
         while leaves * LEAF < len(faces):
             leaves *= 2
-        self._boxes = build_boxes(self.xyz, self._faces, leaves)
+        self._order = np.arange(len(faces))
+        split_by_halves(self.xyz[faces].mean(axis=1), self._order, leaves)
+        self._faces = np.ascontiguousarray(faces[self._order], dtype=np.int64)
+        self._leaves = leaves
+        self._across = _neighbours(self._faces, len(self.xyz))
+        self._fit()
+
+    def moved(self, xyz: Floats) -> "DistanceMesh":
+        """The same faces with their corners elsewhere: much cheaper than a new tree, good while they stay near."""
+        result = copy(self)
+        result.xyz = np.ascontiguousarray(xyz, dtype=np.float64)
+        result._fit()
+        return result
+
+    def _fit(self) -> None:
+        """Boxes and normals of the corners as they are now."""
+        self._boxes = build_boxes(self.xyz, self._faces, self._leaves)
         corner = self.xyz[self._faces]
         self._corners = corner.reshape(-1, 9)
         normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         self._unit = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         self._at_corner = corner_normals(self.xyz, self._faces, self._unit)
-        self._across = _neighbours(self._faces, len(self.xyz))
 
     def nearest(self, points: Floats) -> Nearest:
         """The nearest places of the mesh to `(n, 3)` points."""

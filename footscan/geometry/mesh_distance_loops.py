@@ -37,6 +37,57 @@ def morton_codes(xyz: Floats, low: Floats, cell: float) -> Ints:
 
 
 @compiled
+def split_by_halves(middle: Floats, order: Ints, leaves: int) -> None:
+    """Put faces in the order of a balanced tree: every box is halved at the median of its longest side.
+
+    Args:
+        middle: `(m, 3)` middles of the faces.
+        order: `(m,)` the faces, reordered in place.
+        leaves: Leaves of the tree, a power of two; leaf k gets the faces from k * LEAF on.
+    """
+    width = leaves * LEAF
+    while width > LEAF:
+        for begin in range(0, len(order), width):
+            end = min(begin + width, len(order))
+            cut = begin + width // 2
+            if cut < end:
+                _halve(middle, order, begin, end, cut)
+        width //= 2
+
+
+@compiled
+def _halve(middle: Floats, order: Ints, begin: int, end: int, cut: int) -> None:
+    """Quickselect along the longest side: no face before `cut` lies further along than one after it."""
+    axis, longest = 0, -1.0
+    for k in range(3):
+        low, high = np.inf, -np.inf
+        for i in range(begin, end):
+            low, high = min(low, middle[order[i], k]), max(high, middle[order[i], k])
+        if high - low > longest:
+            axis, longest = k, high - low
+    low, high = begin, end - 1
+    while low < high:
+        a, b, c = middle[order[low], axis], middle[order[(low + high) // 2], axis], middle[order[high], axis]
+        pivot = max(min(a, b), min(max(a, b), c))
+        i, j = low, high
+        while i <= j:
+            while middle[order[i], axis] < pivot:
+                i += 1
+            while middle[order[j], axis] > pivot:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i += 1
+                j -= 1
+        if cut <= j:
+            high = j
+        elif cut >= i:
+            low = i
+        else:
+            return
+
+
+@compiled
 def build_boxes(xyz: Floats, faces: Ints, leaves: int) -> Floats:
     """Boxes `(2 * leaves - 1, 6)` (low, high) of an implicit binary tree; leaf k holds LEAF faces from k * LEAF on."""
     boxes = np.empty((2 * leaves - 1, 6))

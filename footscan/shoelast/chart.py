@@ -1,0 +1,193 @@
+"""The upper as a chart for a displacement: directions, basis rows, bending energy, and finer control nets.
+
+A displacement is a scalar field d(u, v) = sum c_ij B_i(u) B_j(v) along a smooth field of directions n(u, v) with the
+control vectors n_ij. The displaced upper then has the control points P_ij + c_ij n_ij: exact NURBS on the same knots.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import BSpline
+
+from footscan.coordinates import Floats, Ints
+from footscan.foot.nurbs import DEGREE, SplineTube, greville, periodic_knots
+from footscan.foot.nurbs_fit import bases_at, evaluate_at
+from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, fill_rows
+from footscan.shoelast.foot_pose_joints import smooth_step
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.patches import ChordDisc, half_knots
+
+LEVEL_BELOW_MM = 14.0
+"""Up to this height above the feather edge the directions go over from level (in the bottom) to the skin's normal."""
+Sparse = Any
+
+
+@dataclass(frozen=True)
+class Chart:
+    """An upper with its directions.
+
+    Attributes:
+        tube: The upper.
+        direction: The directions as a tube of the same knots: control vectors n_ij.
+    """
+
+    tube: SplineTube
+    direction: SplineTube
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Control rows and columns."""
+        return self.tube.net_mm.shape[0], self.tube.count_u
+
+    def displaced(self, coefficients: Floats) -> SplineTube:
+        """The upper with control points P_ij + c_ij n_ij, c `(n_v, n_u)`."""
+        return SplineTube(self.tube.net_mm + coefficients[..., None] * self.direction.net_mm, self.tube.knots_v)
+
+    def rows(self, u: Floats, v: Floats) -> Sparse:
+        """Sparse `(n, n_v * n_u)`: the field at places from the coefficients, row after row."""
+        around, up = bases_at(np.mod(u, 1.0), self.tube.knots_u), bases_at(v, self.tube.knots_v)
+        column, value = np.empty((len(u), 16), np.int64), np.empty((len(u), 16))
+        fill_rows(around.first, around.value, up.first, up.value, self.shape[1], column, value)
+        begin = np.arange(0, 16 * len(u) + 1, 16)
+        return sparse.csr_matrix((value.ravel(), column.ravel(), begin), shape=(len(u), self.shape[0] * self.shape[1]))
+
+
+def build_chart(shoelast: Shoelast) -> Chart:
+    """The chart of a last: level and outward at the feather edge, the skin's normal from some height on."""
+    tube = shoelast.upper
+    u, v = _greville_round(tube.count_u), greville(tube.knots_v)
+    normal = unit_normals(tube, u, v)
+    height = tube.grid(u, v)[..., 2] - tube.grid(u, np.array([0.0]))[..., 2]
+    flat = 1.0 - smooth_step(height / LEVEL_BELOW_MM)
+    along = tube.grid(u, np.array([0.0]), order_u=1)[0]
+    outward = np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(along))])
+    outward *= np.sign((outward * normal[0]).sum(axis=1, keepdims=True))
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    mixed = (1.0 - flat)[..., None] * normal + flat[..., None] * outward[None]
+    mixed /= np.linalg.norm(mixed, axis=2, keepdims=True)
+    return Chart(tube, SplineTube(mixed, tube.knots_v))
+
+
+def greville_places(tube: SplineTube) -> tuple[Floats, Floats]:
+    """Where the columns `(n_u,)` and rows `(n_v,)` of a net act most."""
+    return _greville_round(tube.count_u), greville(tube.knots_v)
+
+
+def _greville_round(count: int) -> Floats:
+    """Where each column of a periodic net acts most."""
+    return np.mod((np.arange(count) - 1.0) / count, 1.0)
+
+
+def unit_normals(tube: SplineTube, u: Floats, v: Floats) -> Floats:
+    """Outward unit normals `(k, m, 3)` on a grid."""
+    normal = np.cross(tube.grid(u, v, order_v=1), tube.grid(u, v, order_u=1))
+    return normal / np.maximum(np.linalg.norm(normal, axis=2, keepdims=True), 1e-12)
+
+
+def bending_matrix(tube: SplineTube, active: Floats | None = None) -> Sparse:
+    """Energy of a scalar field on the upper: c' K c = integral of its squared covariant Hessian over the surface.
+
+    Args:
+        tube: The upper.
+        active: `(n_v - 3, n_u)` true for the spans that count; None for all.
+
+    Returns:
+        Sparse symmetric `(n_v * n_u, n_v * n_u)`.
+    """
+    breaks = tube.knots_v[DEGREE:-DEGREE]
+    offset = np.array([-1.0, 1.0]) / np.sqrt(12.0) + 0.5
+    u = ((np.arange(tube.count_u)[:, None] + offset) / tube.count_u).ravel()
+    v = (breaks[:-1, None] + np.diff(breaks)[:, None] * offset).ravel()
+    weight = np.repeat(0.5 * np.diff(breaks), 2)[:, None] * np.full(len(u), 0.5 / tube.count_u)[None]
+    if active is not None:
+        weight = weight * np.repeat(np.repeat(active, 2, axis=0), 2, axis=1)
+    orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    tangents = np.stack([tube.grid(u, v, order_u=a, order_v=b) for a, b in orders], axis=2)
+    stencil = np.zeros((*tube.net_mm.shape[:2], WIDE, WIDE))
+    first_u, basis_u = _basis_table(u, tube.knots_u)
+    first_v, basis_v = _basis_table(v, tube.knots_v)
+    add_bending(first_u, basis_u, first_v, basis_v, np.ascontiguousarray(tangents), weight, stencil)
+    return _matrix_from_stencil(stencil)
+
+
+def _basis_table(t: Floats, knots: Floats) -> tuple[Ints, Floats]:
+    """First of the four basis functions `(n,)` and their values and two derivatives `(n, 3, 4)`."""
+    count = len(knots) - DEGREE - 1
+    spline = BSpline(knots, np.eye(count), DEGREE)
+    first = np.clip(np.searchsorted(knots, t, side="right") - 1 - DEGREE, 0, count - 4)
+    place = first[:, None] + np.arange(4)
+    table = np.stack([np.take_along_axis(spline(t, nu=order), place, axis=1) for order in range(3)], axis=1)
+    return first.astype(np.int64), np.ascontiguousarray(table)
+
+
+def _matrix_from_stencil(stencil: Floats) -> Sparse:
+    rows, columns = stencil.shape[:2]
+    j, i, dj, di = np.nonzero(stencil)
+    other = (j + dj - REACH) * columns + (i + di - REACH) % columns
+    return sparse.csc_matrix((stencil[j, i, dj, di], (j * columns + i, other)), shape=(rows * columns,) * 2)
+
+
+def refined(shoelast: Shoelast, times_round: int, extra_v: Floats) -> Shoelast:
+    """The same last, to rounding, with a finer control net.
+
+    Args:
+        shoelast: Any last.
+        times_round: How many columns for one; 1 leaves them.
+        extra_v: Knots to insert up the upper, each once, inside 0..1 and none of them a knot already.
+    """
+    tube = shoelast.upper
+    count = tube.count_u * times_round
+    knots_v = np.sort(np.concatenate([tube.knots_v, extra_v]))
+    places_u, places_v = _greville_round(count), greville(knots_v)
+    values = tube.grid(places_u, places_v)
+    up = np.linalg.solve(BSpline.design_matrix(places_v, knots_v, DEGREE).toarray(), values.reshape(len(places_v), -1))
+    wrapped = np.concatenate([np.eye(count), np.eye(count)[:DEGREE]])
+    around = np.linalg.inv(BSpline(periodic_knots(count), wrapped, DEGREE)(places_u))
+    net = np.einsum("ij,vjk->vik", around, up.reshape(len(places_v), count, 3), optimize=True)
+    bottom, top = (_refined_disc(disc, count) for disc in (shoelast.bottom, shoelast.cone_top))
+    return replace(shoelast, upper=SplineTube(net, knots_v), bottom=bottom, cone_top=top)
+
+
+def _refined_disc(disc: ChordDisc, count_u: int) -> ChordDisc:
+    knots = half_knots(count_u)
+    places = greville(knots)
+    values = BSpline(disc.knots_s, disc.net_mm, DEGREE, axis=0)(places)
+    net = np.linalg.solve(BSpline.design_matrix(places, knots, DEGREE).toarray(), values.reshape(len(places), -1))
+    return ChordDisc(net.reshape(len(places), *values.shape[1:]), knots, disc.knots_t)
+
+
+def project(chart: Chart, tube: SplineTube, xyz: Floats, u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+    """Follow the directions from places in space to the upper: S(u, v) + t n(u, v) = xyz.
+
+    Args:
+        chart: Directions.
+        tube: The upper, displaced or not, of the same knots.
+        xyz: `(n, 3)` places near it.
+        u: `(n,)` first guess.
+        v: `(n,)` first guess.
+
+    Returns:
+        u, v and t (mm, positive outside), each `(n,)`; NaN in t where the places are not reached along a direction.
+    """
+    t = np.zeros(len(u))
+    for step in range(_STEPS):
+        here, way = evaluate_at(tube, u, v), evaluate_at(chart.direction, u, v)
+        miss = xyz - here.xyz_mm - t[:, None] * way.xyz_mm
+        if step and np.abs(miss).max(initial=0.0) < _MISS_MM:
+            break
+        jacobian = np.stack(
+            [here.along_u + t[:, None] * way.along_u, here.along_v + t[:, None] * way.along_v, way.xyz_mm], axis=2
+        )
+        change = np.linalg.solve(jacobian + 1e-9 * np.eye(3), miss[..., None])[..., 0]
+        u = np.mod(u + np.clip(change[:, 0], -_MOST_U, _MOST_U), 1.0)
+        v = np.clip(v + np.clip(change[:, 1], -_MOST_V, _MOST_V), 0.0, 1.0)
+        t = t + np.clip(change[:, 2], -_MOST_T_MM, _MOST_T_MM)
+    here, way = evaluate_at(tube, u, v), evaluate_at(chart.direction, u, v)
+    miss = np.linalg.norm(xyz - here.xyz_mm - t[:, None] * way.xyz_mm, axis=1)
+    return u, v, np.where(miss < _REACHED_MM, t, np.nan)
+
+
+_STEPS, _MISS_MM, _REACHED_MM = 12, 1e-4, 0.02
+_MOST_U, _MOST_V, _MOST_T_MM = 0.02, 0.08, 12.0

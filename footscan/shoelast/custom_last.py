@@ -1,0 +1,99 @@
+"""What customising gives: the new last, its displacement map, what was held, what was missed, and the proof."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from footscan.coordinates import Bools, Floats
+from footscan.shoelast.foot_pose import PosedFoot
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.need import Need
+from footscan.shoelast.profile import Profile
+from footscan.shoelast.proof import Proof
+from footscan.shoelast.registration import Registration
+from footscan.shoelast.skin import LastSkin
+
+
+@dataclass(frozen=True)
+class Held:
+    """A property before and after, and how far it may move (None: it may, and is only stated)."""
+
+    before: float
+    after: float
+    limit: float | None
+    unit: str
+
+    @property
+    def kept(self) -> bool:
+        """Whether it stayed within its limit."""
+        return self.limit is None or abs(self.after - self.before) <= self.limit
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """How smooth the change is.
+
+    Attributes:
+        energy: Bending energy of the displacement.
+        curvature_change_per_mm: Largest change of a principal curvature.
+        curvature_step_per_mm2: Largest change of a principal curvature per mm of way on the surface, before and after;
+            the surface itself is twice continuously differentiable, so there is no jump.
+        feather_deg: Bluntest angle of the feather edge, before and after; 180 would be no edge.
+        feather_change_deg: Largest change of that angle anywhere.
+    """
+
+    energy: float
+    curvature_change_per_mm: float
+    curvature_step_per_mm2: tuple[float, float]
+    feather_deg: tuple[float, float]
+    feather_change_deg: float
+
+
+@dataclass(frozen=True)
+class CustomLast:
+    """A customised last.
+
+    Attributes:
+        shoelast: The new last; a NURBS with the original's surface wherever nothing changed.
+        original: The last it was made from, on the same control net.
+        skin: Closed mesh of the new last (the one the proof is about), in the last's frame in memory.
+        displacement_mm: `(n,)` per vertex of `skin`: how far it moved, positive outwards.
+        changed: `(n,)` which vertices moved by more than 0.01 mm.
+        posed: The foot as posed and registered.
+        registration: How it was laid in.
+        profile: The room that was asked for.
+        transition_mm: How far changes reach beyond what asks for them.
+        dimensions: Name -> (before, after, unit).
+        held: Name -> before and after.
+        widening_mm: How far the bottom was widened at most.
+        smoothness: See there.
+        unmet: Wishes that could not be met, in words.
+        proof: See there.
+        rounds: How often the displacement was solved.
+        need: What the foot asked of the original, cell by cell.
+    """
+
+    shoelast: Shoelast
+    original: Shoelast
+    skin: LastSkin
+    displacement_mm: Floats
+    changed: Bools
+    posed: PosedFoot
+    registration: Registration
+    profile: Profile
+    transition_mm: float
+    dimensions: dict[str, tuple[float, float, str]]
+    held: dict[str, Held]
+    widening_mm: float
+    smoothness: Smoothness
+    unmet: tuple[str, ...]
+    proof: Proof
+    rounds: int
+    need: Need
+
+
+def held_json(custom: CustomLast) -> dict[str, Any]:
+    """Name -> before, after, limit, unit and whether it was kept."""
+    return {
+        name: {"before": one.before, "after": one.after, "limit": one.limit, "unit": one.unit, "kept": one.kept}
+        for name, one in custom.held.items()
+    }

@@ -1,0 +1,169 @@
+"""The smoothest displacement that keeps an obstacle inside: a convex quadratic programme, solved by Clarabel.
+
+Unknown are the coefficients of a scalar field on a chart (`chart.py`). Some are fixed; those on the back line are tied,
+so that the field is zero along it.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import clarabel
+import numpy as np
+from scipy import sparse as scipy_sparse
+
+from footscan.coordinates import Bools, Floats, Ints
+from footscan.errors import QualityError
+from footscan.shoelast.chart import Sparse
+
+sparse: Any = scipy_sparse
+
+BACK_COLUMNS = (0, 1, 2)
+"""Control columns that reach the back line (u = 0); a field is zero on it when c_1 = -(c_0 + c_2) / 4."""
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Which coefficients may change.
+
+    Attributes:
+        spread: Sparse `(n_v * n_u, n)`: all coefficients from the unknown ones.
+        fixed: `(n_v * n_u,)` the rest of them.
+        least: `(n,)` lower bounds.
+    """
+
+    spread: Sparse
+    fixed: Floats
+    least: Floats
+
+    def coefficients(self, unknown: Floats, shape: tuple[int, int]) -> Floats:
+        """All coefficients `(n_v, n_u)`."""
+        return (self.spread @ unknown + self.fixed).reshape(shape)
+
+
+def find_unknowns(free: Bools, fixed: Floats, least: Floats) -> Unknowns:
+    """Sort coefficients into unknown, fixed and tied ones.
+
+    Args:
+        free: `(n_v, n_u)` which may change.
+        fixed: `(n_v, n_u)` values of those that may not.
+        least: `(n_v, n_u)` lower bounds.
+    """
+    rows, columns = free.shape
+    before, on, after = BACK_COLUMNS
+    free = free.copy()
+    free[:, on] &= free[:, before] & free[:, after]
+    free[:, [before, after]] &= free[:, [on]]
+    alone = free.copy()
+    alone[:, on] = False
+    number = np.cumsum(alone.ravel()) - 1
+    place = np.flatnonzero(alone.ravel())
+    tied = np.flatnonzero(free[:, on])
+    row = np.concatenate([place, tied * columns + on, tied * columns + on])
+    column = np.concatenate([number[place], number[tied * columns + before], number[tied * columns + after]])
+    value = np.concatenate([np.ones(len(place)), np.full(2 * len(tied), -0.25)])
+    spread = sparse.csc_matrix((value, (row, column)), shape=(rows * columns, len(place)))
+    return Unknowns(spread, np.where(free, 0.0, fixed).ravel(), least.ravel()[place])
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Linear conditions `matrix @ c >= right` on all coefficients."""
+
+    matrix: Sparse
+    right: Floats
+
+
+@dataclass(frozen=True)
+class Pull:
+    """Places that should come to a value: adds sum(weight * (matrix @ c - value)^2)."""
+
+    matrix: Sparse
+    value: Floats
+    weight: Floats
+
+
+def solve_smoothest(energy: Sparse, unknowns: Unknowns, rows: list[Rows], pulls: list[Pull]) -> Floats:
+    """Minimise c' K c and the pulls under the rows and bounds.
+
+    Args:
+        energy: K, `(n_v * n_u, n_v * n_u)`.
+        unknowns: Which coefficients may change.
+        rows: Conditions.
+        pulls: Wishes.
+
+    Returns:
+        The unknown coefficients `(n,)`.
+
+    Raises:
+        QualityError: The conditions contradict each other.
+    """
+    spread, fixed = unknowns.spread, unknowns.fixed
+    if spread.shape[1] == 0:
+        return np.zeros(0)
+    quadratic = spread.T @ energy @ spread
+    linear = spread.T @ (energy @ fixed)
+    for pull in pulls:
+        on_unknown = pull.matrix @ spread
+        weighted = on_unknown.T.multiply(pull.weight).tocsr()
+        quadratic = quadratic + weighted @ on_unknown
+        linear = linear + weighted @ (pull.matrix @ fixed - pull.value)
+    left = [-(row.matrix @ spread) for row in rows]
+    right = [row.matrix @ fixed - row.right for row in rows]
+    bounded = np.flatnonzero(np.isfinite(unknowns.least))
+    left.append(-sparse.identity(spread.shape[1], format="csr")[bounded])
+    right.append(-unknowns.least[bounded])
+    return _clarabel(quadratic, linear, sparse.vstack(left, format="csc"), np.concatenate(right))
+
+
+def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats) -> Floats:
+    """Minimise 1/2 x' P x + q' x subject to A x <= b."""
+    solver: Any = clarabel
+    settings = solver.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = 1e-5
+    settings.tol_feas = 1e-6
+    settings.max_iter = 60
+    scale = 1.0 / max(float(abs(quadratic).max()), 1e-300)
+    upper = sparse.triu(quadratic * scale, format="csc")
+    cones = [solver.NonnegativeConeT(left.shape[0])]
+    found = solver.DefaultSolver(upper, linear * scale, left, right, cones, settings).solve()
+    status = str(found.status)
+    if status not in ("Solved", "AlmostSolved"):
+        raise QualityError(
+            f"no displacement meets all that is asked ({status.lower()}): lower the allowances or pins, allow a longer "
+            "transition, or take a larger last."
+        )
+    return np.asarray(found.x)
+
+
+def smooth_line(need: Floats, free: Bools, spacing: Floats) -> Floats:
+    """The smoothest closed curve over a need: periodic spline coefficients, zero where they may not change.
+
+    Args:
+        need: `(n,)` least values, at the middle of each coefficient.
+        free: `(n,)` coefficients that may change.
+        spacing: `(n,)` distance (mm) between neighbouring coefficients.
+    """
+    count = len(need)
+    eye = sparse.identity(count, format="csr")
+    ahead, behind = (sparse.csr_matrix(np.roll(eye.toarray(), k, axis=1)) for k in (1, -1))
+    bend = sparse.diags(1.0 / spacing**1.5) @ (ahead - 2.0 * eye + behind)
+    values = (ahead + 4.0 * eye + behind) / 6.0
+    place = np.flatnonzero(free)
+    if len(place) == 0:
+        return np.zeros(count)
+    spread = eye.tocsc()[:, place]
+    active = np.flatnonzero(need > 0.0)
+    left = sparse.vstack([-(values[active] @ spread), -sparse.identity(len(place))], format="csc")
+    right = np.concatenate([-need[active], np.zeros(len(place))])
+    found = _clarabel((spread.T @ bend.T @ bend @ spread).tocsc(), np.zeros(len(place)), left, right)
+    result = np.zeros(count)
+    result[place] = np.maximum(found, 0.0)
+    return result
+
+
+def reach_of(indices: Ints, count: int) -> Bools:
+    """Mark `(count,)` some places of a closed line."""
+    result = np.zeros(count, dtype=np.bool_)
+    result[np.mod(indices, count)] = True
+    return result

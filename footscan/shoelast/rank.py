@@ -1,0 +1,158 @@
+"""Which lasts suit a foot, by dimensions alone: bands per dimension, heel-to-ball and ball girth before length.
+
+Every dimension of a last is compared with the foot's. Inside the profile's band a deviation from its middle costs
+little, outside it costs its full weight per millimetre. The parts of a score are shown. A lower score is better.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from footscan.coordinates import Floats, Side
+from footscan.errors import InputError
+from footscan.shoelast.prepared_foot import PreparedFoot
+from footscan.shoelast.profile import Profile, load_profile, profile_data
+
+WRONG_SIDE = 1000.0
+_INSIDE = 0.2
+"""Cost of a millimetre inside the band, as a share of one outside."""
+FROM_FOOT = {
+    "ball_length": ("ball_length", "ball_length"),
+    "ball_girth": ("ball_girth", "ball_girth"),
+    "length_room": ("stick_length", "foot_length"),
+    "instep_girth": ("instep_girth", "instep_girth"),
+    "waist_girth": ("waist_girth", "waist_girth"),
+    "heel_width": ("heel_width", "heel_breadth"),
+    "ball_width": ("ball_width", "foot_breadth"),
+    "toe_box_height": ("toe_box_height", "toe_height"),
+}
+"""Part of the score -> dimension of the last, measurement of the foot."""
+NEEDED_PARTS = ("ball_length", "ball_girth", "length_room")
+
+
+@dataclass(frozen=True)
+class LastEntry:
+    """A last as an index knows it; `dimensions` name -> mm (cm3 for the volume)."""
+
+    id: str
+    name: str
+    side: Side
+    dimensions: Mapping[str, float]
+    size_eu: float | None = None
+    fitting: str = ""
+    style: str = ""
+    pitch_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A last's place in a ranking.
+
+    Attributes:
+        entry: The last.
+        score: Sum of the parts; lower is better.
+        parts: Part -> its share of the score.
+        differences_mm: Part -> dimension of the last less that of the foot.
+        reason: Why it cannot be taken, empty when it can.
+    """
+
+    entry: LastEntry
+    score: float
+    parts: Mapping[str, float]
+    differences_mm: Mapping[str, float]
+    reason: str = ""
+
+
+def rank(entries: Sequence[LastEntry], foot: PreparedFoot, profile: Profile | str = "therapeutic") -> list[Ranked]:
+    """All lasts, best first; those of the wrong side come last.
+
+    Raises:
+        InputError: No lasts, or an unknown profile.
+        MeshError: The foot has no ball or no length.
+    """
+    if not entries:
+        raise InputError("the library holds no lasts; add one with `footscan lasts add`.")
+    wanted = load_profile(profile) if isinstance(profile, str) else profile
+    return rank_by_values(entries, foot_values(foot), foot.side, wanted)
+
+
+def foot_values(foot: PreparedFoot) -> dict[str, float]:
+    """The foot's measurements that take part, name -> mm; those it does not give are left out.
+
+    Raises:
+        MeshError: One is missing that ranking cannot do without.
+    """
+    values = {foot_name: foot.value(foot_name) for foot_name in (FROM_FOOT[part][1] for part in NEEDED_PARTS)}
+    for _, foot_name in FROM_FOOT.values():
+        found = foot.measurements[foot_name].value
+        if found is not None:
+            values[foot_name] = found
+    return values
+
+
+def rank_by_values(
+    entries: Sequence[LastEntry], values: Mapping[str, float], side: Side, profile: Profile
+) -> list[Ranked]:
+    """Rank by a foot's measurements, name -> mm."""
+    weights = profile_data()["weights_per_mm"]
+    parts = [part for part, (_, foot_name) in FROM_FOOT.items() if foot_name in values]
+    table = np.array([[entry.dimensions[FROM_FOOT[part][0]] for part in parts] for entry in entries])
+    differences = table - np.array([values[FROM_FOOT[part][1]] for part in parts])
+    bands = np.array([profile.bands[f"{part}_mm"] for part in parts])
+    costs = _costs(differences, bands) * np.array([weights[part] for part in parts])
+    wrong = np.array([entry.side != side for entry in entries])
+    scores = costs.sum(axis=1) + WRONG_SIDE * wrong
+    return [
+        Ranked(
+            entries[k],
+            float(scores[k]),
+            {part: float(cost) for part, cost in zip(parts, costs[k], strict=True)},
+            {part: float(difference) for part, difference in zip(parts, differences[k], strict=True)},
+            f"a {entries[k].side} last, the foot is a {side} one" if wrong[k] else "",
+        )
+        for k in np.argsort(scores, kind="stable")
+    ]
+
+
+def _costs(differences: Floats, bands: Floats) -> Floats:
+    """Millimetres `(n, k)` outside the bands `(k, 2)`, and a share of those off their middles."""
+    middle, half = bands.mean(axis=1), 0.5 * np.ptp(bands, axis=1)
+    off = np.abs(differences - middle)
+    return np.maximum(off - half, 0.0) + _INSIDE * off
+
+
+def rank_pair(
+    entries: Sequence[LastEntry], feet: tuple[PreparedFoot, PreparedFoot], profile: Profile | str = "therapeutic"
+) -> list[tuple[Ranked, Ranked]]:
+    """Pairs of lasts of one name or size for both feet of a person, best first by the sum of both scores.
+
+    A pair is a left and a right last of the same style, size, fitting, pitch and dimensions.
+
+    Args:
+        entries: Lasts of both sides.
+        feet: Left and right.
+        profile: Room wanted, or its name.
+
+    Returns:
+        (left, right) for every pair that the library holds.
+
+    Raises:
+        InputError: Two feet of one side, or no pairs.
+    """
+    left, right = feet
+    if (left.side, right.side) != ("left", "right"):
+        raise InputError(f"a pair is a left and a right foot, found {left.side} and {right.side}.")
+    by_key = {_pair_key(one.entry): one for one in rank(entries, left, profile) if one.entry.side == "left"}
+    rights = [one for one in rank(entries, right, profile) if one.entry.side == "right"]
+    pairs = [(by_key[_pair_key(one.entry)], one) for one in rights if _pair_key(one.entry) in by_key]
+    if not pairs:
+        raise InputError(
+            "the library holds no left and right lasts of one kind; mirror one with `footscan lasts grade`."
+        )
+    return sorted(pairs, key=lambda pair: pair[0].score + pair[1].score)
+
+
+def _pair_key(entry: LastEntry) -> tuple[object, ...]:
+    name = entry.name.lower().replace("-left", "").replace("-right", "")
+    return (name, entry.style, entry.size_eu, entry.fitting)
