@@ -8,6 +8,7 @@ from footscan.calibration.estimate import SHAPE, Estimate
 from footscan.calibration.sightings import FLOOR_PLACEMENT, Corners, Sightings, StripePoints
 from footscan.coordinates import Floats, Ints
 from footscan.geometry.rigid import inverse_rigid
+from footscan.optics import Calibration
 from footscan.optics.calibration import camera_from_world, theta_from_encoder
 from footscan.optics.camera import image_from_pixel, ray_from_undistorted, undistorted_from_distorted
 
@@ -69,9 +70,15 @@ def stripe_points_head(estimate: Estimate, stripes: StripePoints, theta_rad: Flo
 
 def stripe_misfit_mm(estimate: Estimate, stripes: StripePoints, theta_rad: Floats) -> Floats:
     """Distance `(n,)` of stripe places, carried on to their board or the footboard, from their laser's sheet."""
-    xyz_head = stripe_points_head(estimate, stripes, theta_rad)
-    normal = np.array([sheet.normal for sheet in estimate.machine.lasers])[stripes.laser]
-    offset = np.array([sheet.offset_mm for sheet in estimate.machine.lasers])[stripes.laser]
+    if not len(stripes):
+        return np.zeros(0)
+    return sheet_misfit_mm(estimate.machine, stripes, stripe_points_head(estimate, stripes, theta_rad))
+
+
+def sheet_misfit_mm(machine: Calibration, stripes: StripePoints, xyz_head: Floats) -> Floats:
+    """Distance `(n,)` of places `(n, 3)` in W at theta = 0 from the sheet of the laser that lit them."""
+    normal = np.array([sheet.normal for sheet in machine.lasers])[stripes.laser]
+    offset = np.array([sheet.offset_mm for sheet in machine.lasers])[stripes.laser]
     return np.einsum("ni,ni->n", normal, xyz_head) - offset
 
 

@@ -22,7 +22,14 @@ from footscan.calibration.estimate import (
     moved_boards,
     moved_machine,
 )
-from footscan.calibration.misfit import corner_misfit_px, head_angles, stripe_misfit_mm, stripe_scale_mm_per_px
+from footscan.calibration.misfit import (
+    corner_misfit_px,
+    head_angles,
+    sheet_misfit_mm,
+    stripe_misfit_mm,
+    stripe_points_head,
+    stripe_scale_mm_per_px,
+)
 from footscan.calibration.sightings import Sightings
 from footscan.coordinates import Bools, Floats, Ints
 
@@ -32,6 +39,7 @@ _HUBER = 1.5
 _LEAST_SCALE_PX = 0.005
 _ROUNDS = 40
 _SETTLED = 0.01
+_SHEETS = frozenset((*RIGHT, *LEFT))
 CORNERS_GROUPS = (0, 1)
 GROUP_NAMES = (
     "corners_at_stops",
@@ -226,6 +234,9 @@ class _Problem:
 
     def rescale(self, estimate: Estimate) -> None:
         """Take the scale of the stripe residuals, px per mm, from this estimate."""
+        if not len(self.sightings.stripes):
+            self._px_per_mm = np.zeros(0)
+            return
         scale = stripe_scale_mm_per_px(estimate, self.sightings.stripes, head_angles(estimate, self.sightings))
         self._px_per_mm = 1.0 / np.maximum(scale, 0.02)
 
@@ -233,13 +244,15 @@ class _Problem:
         """`(r, k)` central differences."""
         self.rescale(estimate)
         placements = estimate.placements
-        columns = [self._machine_column(estimate, name) for name in self.unknowns.machine]
-        result = np.zeros((len(self.rows.group), len(columns) + placements * len(self.unknowns.boards)))
-        for k, column in enumerate(columns):
-            result[:, k] = column
+        columns = {name: self._machine_column(estimate, name) for name in self.unknowns.machine if name not in _SHEETS}
+        columns |= self._sheet_columns(estimate)
+        width = len(self.unknowns.machine) + placements * len(self.unknowns.boards)
+        result = np.zeros((len(self.rows.group), width))
+        for k, name in enumerate(self.unknowns.machine):
+            result[:, k] = columns[name]
         row = np.flatnonzero(self.rows.placement >= 0)
         for k, name in enumerate(self.unknowns.boards):
-            at = len(columns) + self.rows.placement[row] * len(self.unknowns.boards) + k
+            at = len(self.unknowns.machine) + self.rows.placement[row] * len(self.unknowns.boards) + k
             result[row, at] = self._board_column(estimate, name)[row]
         return result
 
@@ -249,6 +262,24 @@ class _Problem:
             self.residual_px(replace(estimate, machine=moved_machine(estimate.machine, name, step))) for step in (h, -h)
         )
         return (ahead - behind) / (2.0 * h)
+
+    def _sheet_columns(self, estimate: Estimate) -> dict[str, Floats]:
+        """Columns of the sheets' own unknowns: they move no corner, nor where a ray meets a board."""
+        names = [name for name in self.unknowns.machine if name in _SHEETS]
+        if not names:
+            return {}
+        stripes = self.sightings.stripes
+        xyz_head = stripe_points_head(estimate, stripes, head_angles(estimate, self.sightings))
+        corners = np.zeros(2 * len(self.sightings.corners))
+        assert self._px_per_mm is not None
+        result: dict[str, Floats] = {}
+        for name in names:
+            h = difference_step(name)
+            ahead, behind = (
+                sheet_misfit_mm(moved_machine(estimate.machine, name, step), stripes, xyz_head) for step in (h, -h)
+            )
+            result[name] = np.concatenate([corners, (ahead - behind) / (2.0 * h) * self._px_per_mm])
+        return result
 
     def _board_column(self, estimate: Estimate, name: str) -> Floats:
         h = difference_step(name)
