@@ -17,6 +17,8 @@ from footscan.calibration.holdout import HoldOut, hold_out_each
 from footscan.calibration.intake import Intake, Progress, take_in
 from footscan.calibration.joint import USUAL, Choices, JointFit, fit_corners, fit_jointly
 from footscan.calibration.mislabelled import explain_stripes
+from footscan.calibration.sightings import StripePoints
+from footscan.calibration.stripes import find_stripes
 from footscan.config import Board
 from footscan.errors import PoorFitError
 from footscan.optics import Calibration
@@ -70,22 +72,49 @@ def calibrate_recording(
         RecordingError: The recording is incomplete or shows no board; the reason is named (exit status 2).
         PoorFitError: A gate refused the result; the reason and the placement are named (exit status 4).
     """
-    clock = _Clock()
+    begin = time.perf_counter()
     intake = take_in(recording, board, progress)
-    clock.mark("corners")
+    seconds = {"corners": round(time.perf_counter() - begin, 2)}
+    result = calibrate_intake(intake, None, choices, limits, progress, created)
+    return replace(result, seconds=seconds | result.seconds)
+
+
+def calibrate_intake(
+    intake: Intake,
+    stripes: StripePoints | None = None,
+    choices: Choices = USUAL,
+    limits: Limits = LIMITS,
+    progress: Progress = lambda done, total: None,
+    created: str = "",
+) -> Calibrated:
+    """Find the machine that made what a recording shows.
+
+    Args:
+        intake: Corners and pairs of frames.
+        stripes: Stripe places of the lit frames, where they are known already; default: found in the frames.
+        choices: What to estimate beyond the usual.
+        limits: What the gates allow.
+        progress: Called with frames done and in all.
+        created: When (RFC 3339), for the file.
+
+    Raises:
+        PoorFitError: A gate refused the result; the reason and the placement are named (exit status 4).
+    """
+    clock = _Clock()
     corners_fit = fit_corners(intake)
     names = intake.placement_names
     if not all(gate.passed for gate in corner_gates(corners_fit, names, limits)):
         raise PoorFitError(_refusal(explain_corners(intake, corners_fit, limits)))
     shape = board_shape(intake, corners_fit)
     jumps, _ = picture_jumps(intake, corners_fit)
-    of_board = shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :]
-    early = [*of_board, jump_gate(jumps, names)]
+    early = [*shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :], jump_gate(jumps, names)]
     _pass(early)
     clock.mark("corners alone")
-    joint = fit_jointly(intake, corners_fit, choices, progress)
-    clock.mark("stripes and joint fit")
-    _pass(design_gates(joint.fit.estimate.machine, recording.scanner))
+    raw = find_stripes(intake, progress) if stripes is None else stripes
+    clock.mark("stripes")
+    joint = fit_jointly(intake, raw, corners_fit, choices)
+    clock.mark("joint fit")
+    _pass(design_gates(joint.fit.estimate.machine, intake.recording.scanner))
     reason = explain_stripes(joint, limits)
     if reason:
         raise PoorFitError(_refusal(reason))

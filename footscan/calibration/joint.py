@@ -6,11 +6,11 @@ import numpy as np
 
 from footscan.calibration.estimate import CAMERA, ENCODER, Estimate
 from footscan.calibration.first_guess import guess_estimate
-from footscan.calibration.intake import Intake, Progress
+from footscan.calibration.intake import Intake
 from footscan.calibration.misfit import head_angles, stripe_points_head
 from footscan.calibration.sightings import NO_STRIPES, Sightings, StripePoints
 from footscan.calibration.solve import EVERYTHING, Fit, Unknowns, fit_estimate
-from footscan.calibration.stripes import assign_stripes, find_stripes
+from footscan.calibration.stripes import assign_stripes
 from footscan.calibration.uncertainty import standard_deviations, volume_points
 from footscan.coordinates import LASER_NAMES, Floats
 from footscan.errors import PoorFitError
@@ -63,16 +63,15 @@ def fit_corners(intake: Intake, start: Estimate | None = None) -> Fit:
 
 def fit_jointly(
     intake: Intake,
+    raw: StripePoints,
     corners_fit: Fit,
     choices: Choices = USUAL,
-    progress: Progress = lambda done, total: None,
 ) -> JointFit:
-    """Everything at once, from the corners-only fit and the stripes.
+    """Everything at once, from the corners-only fit and the stripe places found in the lit frames.
 
     Raises:
         PoorFitError: A laser left too few stripe places on boards or footboard to fix its sheet.
     """
-    raw = find_stripes(intake, progress)
     stripes = assign_stripes(raw, corners_fit.estimate, intake)
     _enough(stripes)
     start = _guess_sheets(corners_fit.estimate, stripes, intake)

@@ -1,20 +1,24 @@
 """Sightings computed from a known machine, without pictures: for studies and for tests of the estimate itself."""
 
+from collections import Counter
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from footscan.calibration.charuco import corners_mm, half_size_mm
 from footscan.calibration.estimate import Estimate, start_estimate
+from footscan.calibration.intake import EMPTY, Intake
 from footscan.calibration.sightings import FLOOR_PLACEMENT, Corners, FrameTimes, Sightings, StripePoints
-from footscan.config import Board
+from footscan.config import Board, RecordingInfo
 from footscan.coordinates import LASER_NAMES, Floats, Ints
 from footscan.geometry.rigid import inverse_rigid, rigid
 from footscan.optics import Calibration
 from footscan.optics.calibration import camera_from_world, optical_centre_world, theta_from_encoder
 from footscan.optics.camera import pixel_from_camera
-from footscan.scanning.recording import EncoderTrack
+from footscan.optics.scanner import Scanner
+from footscan.scanning.recording import EncoderTrack, FrameRecord, Recording
 
 _STOP_S = 1.0
 _SWEEP_COUNTS_PER_S = 600.0
@@ -68,6 +72,25 @@ def make_sightings(machine: Calibration, board: Board, plan: SyntheticPlan) -> S
     )
     names = tuple(str(p) for p in range(plan.placements))
     return Synthetic(Sightings(times, corners, stripes, names), truth)
+
+
+def make_intake(machine: Calibration, scanner: Scanner, board: Board, plan: SyntheticPlan) -> tuple[Intake, Synthetic]:
+    """The same as if frames had been taken and looked at; stripes are those of the sightings."""
+    made = make_sightings(machine, board, plan)
+    info = RecordingInfo("calibration", "none", "2000-01-01T00:00:00+00:00", "synthetic")
+    names = made.sightings.placement_names
+    times = made.sightings.times
+    records = tuple(_record(k, float(t), plan, names) for k, t in enumerate(times.time_s))
+    recording = Recording(Path(), info, scanner, records, times.track, board)
+    intake = Intake(recording, board, names, times, made.sightings.corners, (), Counter(), ())
+    return intake, made
+
+
+def _record(number: int, time_s: float, plan: SyntheticPlan, names: tuple[str, ...]) -> FrameRecord:
+    setup = number // plan.stops
+    moving = setup > plan.placements
+    name = names[0] if moving else EMPTY if setup == plan.placements else names[setup]
+    return FrameRecord(number, f"frames/{number:06}.png", time_s, "none", "ccw" if moving else "static", name)
 
 
 def _place_board(number: int, of: int) -> Floats:

@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from footscan.calibration import calibrate as calibrate_module
-from footscan.calibration import joint as joint_module
 from footscan.calibration.board_sheet import DEFAULT_BOARD
-from footscan.calibration.calibrate import Calibrated, calibrate_recording
+from footscan.calibration.calibrate import Calibrated, calibrate_intake
 from footscan.calibration.estimate import sheet_from_angles
 from footscan.calibration.intake import Intake, take_in
 from footscan.calibration.joint import USUAL, Choices
@@ -71,13 +69,10 @@ Calibrate = Callable[..., Calibrated]
 
 
 @pytest.fixture
-def calibrate_seen(shared: Shared, monkeypatch: pytest.MonkeyPatch) -> Calibrate:
+def calibrate_seen(shared: Shared) -> Calibrate:
     """Calibrate from what the frames showed, changed at will, without looking at the frames again."""
 
     def run(intake: Intake | None = None, stripes: StripePoints | None = None, choices: Choices = USUAL) -> Calibrated:
-        shown = intake or shared.intake
-        monkeypatch.setattr(calibrate_module, "take_in", lambda *_: shown)
-        monkeypatch.setattr(joint_module, "find_stripes", lambda *_: stripes or shared.stripes)
-        return calibrate_recording(shown.recording, choices=choices)
+        return calibrate_intake(intake or shared.intake, stripes or shared.stripes, choices)
 
     return run
