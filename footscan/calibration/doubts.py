@@ -28,45 +28,73 @@ _SURE = 5.0
 _MOVED_MM = 0.15
 _TOLERANCE_PX = 0.5
 _HELPS = 0.5
+_REJECTS = 0.05
 _FREE_LENS = tuple(name for name in CORNERS_ONLY.machine if not name.startswith(("principal", "latency")))
 
 
 @dataclass(frozen=True)
 class BoardShape:
-    """What the pictures say about the print and flatness of the board.
+    """What the pictures say about the print and flatness of the board, and what of it may be chance.
 
     Attributes:
-        surely_unequal: Below this a difference may be chance.
         unequal: Height over width of the print, relative to what board.toml says, minus one; mean of all placements.
+        surely_unequal: Below this a difference may be chance.
         scaled: `(p,)` size of the board in each placement relative to the mean of all, minus one.
+        surely_scaled: `(p,)` below this it may be chance.
         sag_mm: `(p,)` largest departure from flatness over the board.
+        surely_bent_mm: `(p,)` below this it may be chance.
     """
 
     unequal: float
     surely_unequal: float
     scaled: Floats
+    surely_scaled: Floats
     sag_mm: Floats
+    surely_bent_mm: Floats
 
 
 def board_shape(intake: Intake, corners_fit: Fit) -> BoardShape:
     """Estimate stretch and bend of the board of every placement, beside everything that corners show."""
+    return _shape_of(_freed_shape(intake, corners_fit), intake)
+
+
+def _freed_shape(intake: Intake, corners_fit: Fit) -> Fit:
     sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
-    free = fit_estimate(corners_fit.estimate, sightings, Unknowns(CORNERS_ONLY.machine, POSE + SHAPE))
+    return fit_estimate(corners_fit.estimate, sightings, Unknowns(CORNERS_ONLY.machine, POSE + SHAPE))
+
+
+def _shape_of(free: Fit, intake: Intake) -> BoardShape:
     stretch = free.estimate.doubts[:, :2]
     half_x, half_y = half_size_mm(intake.board)
-    bend = np.abs(free.estimate.doubts[:, 2:5] * np.array([half_x**2, half_y**2, half_x * half_y]))
+    reach = {"bend_xx_per_mm": half_x**2, "bend_yy_per_mm": half_y**2, "bend_xy_per_mm": half_x * half_y}
+    bend = np.abs(free.estimate.doubts[:, 2:5] * np.array(list(reach.values())))
+    doubt = np.stack([_deviations(free, {name: size}) for name, size in reach.items()], axis=-1)
+    worst = np.argmax(bend, axis=1)
+    each = np.arange(len(bend))
     size = stretch.mean(axis=1)
-    unequal = float(np.median(stretch[:, 1] - stretch[:, 0]))
-    chance = _SURE * _deviation(free, "stretch_x", "stretch_y") / np.sqrt(len(stretch))
-    return BoardShape(unequal, chance, size - np.median(size), bend.max(axis=1))
+    difference = _deviations(free, {"stretch_x": 1.0, "stretch_y": -1.0})
+    return BoardShape(
+        float(np.median(stretch[:, 1] - stretch[:, 0])),
+        _SURE * float(np.median(difference)) / float(np.sqrt(len(stretch))),
+        size - np.median(size),
+        _SURE * _deviations(free, {"stretch_x": 0.5, "stretch_y": 0.5}, against_others=True),
+        bend[each, worst],
+        _SURE * doubt[each, worst],
+    )
 
 
-def _deviation(fit: Fit, one: str, other: str) -> float:
-    """Median over the placements of the standard deviation of the difference of two of a board's doubts."""
-    names, spread = fit.unknowns.names(fit.estimate.placements), fit.spread()
-    pairs = [(names.index(f"{one}[{p}]"), names.index(f"{other}[{p}]")) for p in range(fit.estimate.placements)]
-    variances = [spread[i, i] + spread[j, j] - 2.0 * spread[i, j] for i, j in pairs]
-    return float(np.sqrt(max(0.0, float(np.median(variances)))))
+def _deviations(fit: Fit, sum_of: dict[str, float], against_others: bool = False) -> Floats:
+    """Standard deviation `(p,)` of a weighted sum of each board's doubts, or of what it is off the mean of the boards'.
+
+    The size of all boards together cannot be seen; only differences between placements can.
+    """
+    names, spread, placements = fit.unknowns.names(fit.estimate.placements), fit.spread(), fit.estimate.placements
+    row = np.zeros((placements, len(names)))
+    for p in range(placements):
+        for name, share in sum_of.items():
+            row[p, names.index(f"{name}[{p}]")] = share
+    row = row - row.mean(axis=0) if against_others else row
+    return np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", row, spread, row), 0.0))
 
 
 @dataclass(frozen=True)
@@ -112,7 +140,10 @@ def jump_gate(jumps: PictureJumps, names: tuple[str, ...]) -> Gate:
 
 def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
     """Gates on the board itself."""
-    scaled, bent = int(np.argmax(np.abs(shape.scaled))), int(np.argmax(shape.sag_mm))
+    most_scaled = np.maximum(MOST_SCALED, shape.surely_scaled)
+    most_bent_mm = np.maximum(MOST_SAG_MM, shape.surely_bent_mm)
+    scaled = int(np.argmax(np.abs(shape.scaled) / most_scaled))
+    bent = int(np.argmax(shape.sag_mm / most_bent_mm))
     return [
         Gate(
             "print_scale_unequal",
@@ -126,14 +157,14 @@ def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
         Gate(
             "board_of_other_size",
             float(abs(shape.scaled[scaled])),
-            MOST_SCALED,
+            float(most_scaled[scaled]),
             f"placement {names[scaled]}",
             "The board of this placement has another size than the others; use one and the same board throughout.",
         ),
         Gate(
             "board_bent_mm",
             float(shape.sag_mm[bent]),
-            MOST_SAG_MM,
+            float(most_bent_mm[bent]),
             f"placement {names[bent]}",
             "The board is bent; glue it on a stiff flat plate and repeat the placement.",
         ),
@@ -150,12 +181,29 @@ class _Suspicion:
 
 def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> str:
     """The likeliest reason why corners do not fit: the one whose freedom takes most of the misfit away."""
+    bad = [p for p in range(len(intake.placement_names)) if _is_bad(fit, p, limits)]
+    most = 2 * len(bad) > len(intake.placement_names)
+    reverse = _reversed(intake) if most else None
+    if reverse is not None and reverse.left_px < limits.placement_corner_px:
+        return reverse.sentence
+    if most and _far_from_design(intake, fit):
+        return _nothing(intake, fit)
+    moved = [] if most else [_moved_one(intake, fit, p) for p in bad]
+    suspicions = [reverse, *moved, _lens(intake, fit), _shape(intake, fit)]
     now = _misfit_px(fit)
-    suspicions = [_reversed(intake), *_moved(intake, fit, limits), _lens(intake, fit), _shape(intake, fit)]
     best = min((s for s in suspicions if s is not None), key=lambda s: s.left_px, default=None)
     if best is not None and best.left_px < max(_HELPS * now, 0.05) and best.left_px < now:
         return best.sentence
     return _nothing(intake, fit)
+
+
+def _is_bad(fit: Fit, placement: int, limits: Limits) -> bool:
+    rms_px, rejected = placement_corners(fit, placement)
+    return rms_px > limits.placement_corner_px or rejected > _REJECTS
+
+
+def _far_from_design(intake: Intake, fit: Fit) -> list[Gate]:
+    return [gate for gate in camera_gates(fit.estimate.machine, intake.recording.scanner) if not gate.passed]
 
 
 def _misfit_px(fit: Fit) -> float:
@@ -178,22 +226,8 @@ def _reversed(intake: Intake) -> _Suspicion | None:
     )
 
 
-def _moved(intake: Intake, fit: Fit, limits: Limits) -> list[_Suspicion]:
-    """A placement whose board was moved once between two stops: two poses instead of one."""
-    result: list[_Suspicion] = []
-    for placement in range(len(intake.placement_names)):
-        if placement_corners(fit, placement)[0] > limits.placement_corner_px or _rejects(fit, placement):
-            found = _moved_one(intake, fit, placement)
-            result += [found] if found is not None else []
-    return result
-
-
-def _rejects(fit: Fit, placement: int) -> bool:
-    return placement_corners(fit, placement)[1] > 0.05
-
-
 def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
-    """Fit the rest of the recording alone, then this placement as two boards, split at the best stop."""
+    """A board that was moved once between two stops: the rest fitted alone, then this placement as two boards."""
     everything = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
     others = fit_estimate(fit.estimate, everything.without(placement), CORNERS_ONLY)
     corners = intake.corners.kept((intake.corners.placement == placement) & ~intake.corners.moving)
@@ -233,9 +267,8 @@ def _lens(intake: Intake, fit: Fit) -> _Suspicion | None:
 
 def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:
     """The board itself: unequal scale, another size, or bent."""
-    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
-    free = fit_estimate(fit.estimate, sightings, Unknowns(CORNERS_ONLY.machine, POSE + SHAPE))
-    failed = [gate for gate in shape_gates(board_shape(intake, fit), intake.placement_names) if not gate.passed]
+    free = _freed_shape(intake, fit)
+    failed = [gate for gate in shape_gates(_shape_of(free, intake), intake.placement_names) if not gate.passed]
     if not failed:
         return None
     worst = max(failed, key=lambda gate: gate.value / gate.limit)
@@ -246,7 +279,7 @@ def _nothing(intake: Intake, fit: Fit) -> str:
     """No single explanation: another machine, or the worst placement and its worst frames."""
     rms = [placement_corners(fit, p)[0] for p in range(len(intake.placement_names))]
     worst = int(np.argmax(rms))
-    far = [gate for gate in camera_gates(fit.estimate.machine, intake.recording.scanner) if not gate.passed]
+    far = _far_from_design(intake, fit)
     if far or min(rms) > 1.0:
         off = f" ({far[0].name.replace('_', ' ')}: {far[0].value:.3g}, at most {far[0].limit:g})" if far else ""
         return (

@@ -20,6 +20,7 @@ Progress = Callable[[int, int], None]
 EMPTY = "empty"
 FEWEST_PLACEMENTS = 3
 FEWEST_VIEWS = 2
+FEWEST_MOVING = 5
 _SAME_STOP_COUNTS = 0.5
 _LONGEST_LATENCY_S = 0.05
 _SAMPLES = 8
@@ -54,13 +55,19 @@ class Intake:
         return -1 if setup == EMPTY else self.placement_names.index(setup)
 
 
-def take_in(recording: Recording, board: Board | None = None, progress: Progress = lambda done, total: None) -> Intake:
+def take_in(
+    recording: Recording,
+    board: Board | None = None,
+    progress: Progress = lambda done, total: None,
+    fewest: int = FEWEST_PLACEMENTS,
+) -> Intake:
     """Find the board in every unlit frame, and the unlit frame of every lit one.
 
     Args:
         recording: A calibration recording.
         board: The board, when its lengths were measured after the recording was made.
         progress: Called with frames done and frames in all.
+        fewest: Placements needed: fewer are enough for a check than for a calibration.
 
     Raises:
         RecordingError: Not a calibration, frames missing, or the board was not found; the reason is named.
@@ -72,14 +79,26 @@ def take_in(recording: Recording, board: Board | None = None, progress: Progress
     setups = list(dict.fromkeys(recording.frames[k].setup for k in unlit))
     at_stops = Counter(recording.frames[k].setup for k in seen if recording.frames[k].sweep == "static")
     names = tuple(setup for setup in setups if at_stops[setup] >= FEWEST_VIEWS)
-    if len(names) < FEWEST_PLACEMENTS:
-        raise RecordingError(_too_few(recording, board, names, setups, unlit, rejected))
+    if len(names) < fewest:
+        raise RecordingError(_too_few(recording, board, names, setups, unlit, rejected, fewest))
     kept = {k: corners for k, corners in seen.items() if recording.frames[k].setup in names}
+    if fewest >= FEWEST_PLACEMENTS:
+        _refuse_unmoved(recording, kept)
     times = _times(recording)
     corners = _flat(recording, board, names, kept)
     pairs = _pairs(recording, names)
     missing = tuple(setup for setup in setups if setup not in names)
     return Intake(recording, board, names, times, corners, pairs, rejected, missing)
+
+
+def _refuse_unmoved(recording: Recording, seen: dict[int, BoardCorners]) -> None:
+    moving = sum(recording.frames[k].sweep != "static" for k in seen)
+    if moving < FEWEST_MOVING:
+        taken = sum(record.sweep != "static" for record in recording.frames)
+        raise RecordingError(
+            f"the board is seen in {moving} of {taken} frames taken while the head turned, at least {FEWEST_MOVING} are "
+            "needed: without them nobody knows how late frames are stamped. Record two sweeps past a placement."
+        )
 
 
 def _checked(recording: Recording, board: Board | None) -> Board:
@@ -134,12 +153,13 @@ def _too_few(
     setups: list[str],
     unlit: list[int],
     rejected: Counter[str],
+    fewest: int,
 ) -> str:
-    advice = f"at least {FEWEST_PLACEMENTS} placements, differently turned and leaning, are needed"
+    advice = f"at least {fewest} placements, differently turned and leaning, are needed"
     if rejected.total() > len(unlit) // 2:
         reasons = ", ".join(f"{count} x {reason}" for reason, count in rejected.most_common(3))
         return f"{rejected.total()} of {len(unlit)} unlit frames cannot be used ({reasons}); record or copy them again."
-    if len(setups) < FEWEST_PLACEMENTS:
+    if len(setups) < fewest:
         return f"the recording holds {len(setups)} placements of the board; {advice}. Record more."
     if names:
         missing = ", ".join(setup for setup in setups if setup not in names)

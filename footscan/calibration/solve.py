@@ -51,11 +51,21 @@ GROUP_NAMES = (
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What is known of an unknown of the camera beforehand: its value as designed, and how far it may be from it."""
+
+    name: str
+    value: float
+    deviation: float
+
+
+@dataclass(frozen=True)
 class Unknowns:
-    """Which unknowns of the machine and of the boards are free; boards of `held` placements stay where they are."""
+    """Which unknowns of the machine and of the boards are free, and what is known of the machine's beforehand."""
 
     machine: tuple[str, ...]
     boards: tuple[str, ...] = POSE
+    priors: tuple[Prior, ...] = ()
 
     def names(self, placements: int) -> list[str]:
         """All of them, in the order of the columns."""
@@ -67,8 +77,9 @@ FIRMNESS = {"stretch_x": 1e4, "stretch_y": 1e4, "lens_y_px": 1e-2, "lens_z_px": 
 
 
 def firmness(unknowns: Unknowns, placements: int) -> Floats:
-    """1 / variance `(k,)` with which each unknown is held; 0 for all but doubts."""
-    return np.array([FIRMNESS.get(name.split("[")[0], 0.0) for name in unknowns.names(placements)])
+    """1 / variance `(k,)` with which each unknown is held; 0 for all but doubts and what has a prior."""
+    held = FIRMNESS | {prior.name: 1.0 / prior.deviation**2 for prior in unknowns.priors}
+    return np.array([held.get(name.split("[")[0], 0.0) for name in unknowns.names(placements)])
 
 
 EVERYTHING = Unknowns((*CAMERA, *HEAD, *RIGHT, *LEFT, *FLOOR, "latency_s"))
@@ -118,13 +129,18 @@ class Fit:
     settled: bool
 
     def normal_matrix(self) -> Floats:
-        """Weighted normal matrix `(k, k)`."""
+        """Weighted normal matrix `(k, k)`, what is known beforehand included."""
         with threadpool_limits(1):
-            return (self.jacobian * self.weight[:, None]).T @ self.jacobian
+            seen = (self.jacobian * self.weight[:, None]).T @ self.jacobian
+        return np.asarray(seen + np.diag(self.firmness()))
+
+    def firmness(self) -> Floats:
+        """1 / variance `(k,)` with which each unknown is held."""
+        return firmness(self.unknowns, self.estimate.placements)
 
     def spread(self) -> Floats:
         """Covariance `(k, k)` as the weights alone say; doubts are held where their common part cannot be seen."""
-        matrix = self.normal_matrix() + np.diag(firmness(self.unknowns, self.estimate.placements))
+        matrix = self.normal_matrix()
         unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
         scaled = np.linalg.pinv(matrix * unit[:, None] * unit[None, :], rcond=1e-14, hermitian=True)
         return np.asarray(scaled * unit[:, None] * unit[None, :])
@@ -180,10 +196,11 @@ def _iterate(start: Estimate, problem: "_Problem", rounds: int) -> Fit:
     settled = False
     done = 0
     for done in range(1, rounds + 1):
-        step, size = _step(jacobian, residual, weight, damping, problem.firmness)
+        step, size = _step(jacobian, residual, weight, damping, problem.firmness, problem.pull(estimate))
         trial = problem.moved(estimate, step)
         trial_residual = problem.residual_px(trial)
-        if problem.cost(trial_residual, scale) > problem.cost(residual, scale) * (1.0 + 1e-9):
+        before = problem.cost(residual, scale) + problem.strain(estimate)
+        if problem.cost(trial_residual, scale) + problem.strain(trial) > before * (1.0 + 1e-9):
             damping = max(10.0 * damping, 1e-6)
             settled = size < _SETTLED
             if damping > 1e8 or settled:
@@ -199,10 +216,12 @@ def _iterate(start: Estimate, problem: "_Problem", rounds: int) -> Fit:
     return Fit(estimate, problem.unknowns, residual, problem.rows, scale, weight, jacobian, done, settled)
 
 
-def _step(jacobian: Floats, residual: Floats, weight: Floats, damping: float, firmness: Floats) -> tuple[Floats, float]:
+def _step(
+    jacobian: Floats, residual: Floats, weight: Floats, damping: float, firmness: Floats, pull: Floats
+) -> tuple[Floats, float]:
     """The damped step, and its size in standard deviations of the unknowns."""
     weighted = jacobian * weight[:, None]
-    matrix, slope = weighted.T @ jacobian, weighted.T @ residual
+    matrix, slope = weighted.T @ jacobian, weighted.T @ residual + pull
     matrix[np.diag_indices_from(matrix)] += firmness
     unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scaled = matrix * unit[:, None] * unit[None, :]
@@ -231,6 +250,22 @@ class _Problem:
         assert self._px_per_mm is not None
         across = stripe_misfit_mm(estimate, stripes, theta_rad) * self._px_per_mm
         return np.concatenate([corners.ravel(), across])
+
+    def pull(self, estimate: Estimate) -> Floats:
+        """Slope `(k,)` of half the strain."""
+        result = np.zeros(len(self.firmness))
+        for prior in self.unknowns.priors:
+            at = self.unknowns.machine.index(prior.name)
+            result[at] = (getattr(estimate.machine.camera, prior.name) - prior.value) * self.firmness[at]
+        return result
+
+    def strain(self, estimate: Estimate) -> float:
+        """How far the machine is from what is known beforehand, on the scale of `cost`."""
+        off = [
+            (getattr(estimate.machine.camera, prior.name) - prior.value) / prior.deviation
+            for prior in self.unknowns.priors
+        ]
+        return 0.25 * float(np.sum(np.square(off)))
 
     def rescale(self, estimate: Estimate) -> None:
         """Take the scale of the stripe residuals, px per mm, from this estimate."""

@@ -68,15 +68,29 @@ def _flat(intake: Intake, found: list[tuple[int, Floats, Bools]]) -> StripePoint
 
 
 def _look(intake: Intake, finder: StripeFinder, lit: int, unlit: int) -> tuple[int, Floats, Bools] | None:
-    recording = intake.recording
     try:
-        bright, dark = (read_frame(recording.path(recording.frames[k]), recording.scanner.camera) for k in (lit, unlit))
+        bright, dark = _both(intake, lit, unlit)
     except UnusableFrameError as err:
         intake.rejected.update([err.reason])
         return None
     stripe_only = filtered(bright, FilterSettings("unlit"), dark)
     stripe = finder.find(stripe_only, max(_LEAST_THRESHOLD, automatic_threshold(stripe_only)))
     return lit, stripe.uv, _plain(dark, stripe.uv)
+
+
+def _both(intake: Intake, lit: int, unlit: int) -> tuple[Frame, Frame]:
+    recording = intake.recording
+    bright, dark = (read_frame(recording.path(recording.frames[k]), recording.scanner.camera) for k in (lit, unlit))
+    return bright, dark
+
+
+def lit_stripe(intake: Intake, lit: int, unlit: int) -> Frame | None:
+    """A lit frame minus its unlit one; nothing where one of them cannot be read."""
+    try:
+        bright, dark = _both(intake, lit, unlit)
+    except UnusableFrameError:
+        return None  # counted when stripes were looked for
+    return filtered(bright, FilterSettings("unlit"), dark)
 
 
 def _plain(dark: Frame, uv: Floats) -> Bools:

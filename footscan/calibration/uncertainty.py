@@ -36,7 +36,8 @@ def _sandwich(fit: Fit) -> Floats:
     summed = np.zeros((len(frames), score.shape[1]))
     np.add.at(summed, place, score)
     clusters = len(frames)
-    return np.asarray(inverse @ (summed.T @ summed) @ inverse * (clusters / max(1, clusters - 1)))
+    seen = summed.T @ summed * (clusters / max(1, clusters - 1))
+    return np.asarray(inverse @ (seen + np.diag(fit.firmness())) @ inverse)
 
 
 def standard_deviations(fit: Fit) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """The history of a machine's calibrations in the data folder: a log of events, and every calibration there was.
 
-`<data>/calibrations/<machine>.toml` is in force, `<machine>.log.jsonl` holds one event per line (kind calibration, scan
-or service), and `<machine>/<fingerprint>.toml` every calibration there was.
+`<data>/calibrations/<machine>.toml` is in force, `<machine>.log.jsonl` holds one event per line (calibration, scan,
+service, recheck or daily), and `<machine>/<fingerprint>.toml` every calibration there was.
 """
 
 import json
@@ -25,6 +25,46 @@ DRIFT_MM = 0.15
 """Median left/right disagreement of still scans may move this far from where it was right after calibrating."""
 _RECENT = 5
 _FOLDER = "calibrations"
+
+
+@dataclass(frozen=True)
+class Touched:
+    """What an intervention is, what of the calibration it makes invalid, and what to do.
+
+    Attributes:
+        what: In words, where the technician gave none.
+        parts: Of the calibration that are no longer known.
+        remedy: What to do.
+        blocking: No scan should rely on the calibration until then; else a passed check is enough.
+    """
+
+    what: str
+    parts: str
+    remedy: str
+    blocking: bool
+
+
+_WHOLE = "calibrate the whole machine"
+
+
+def _renew(part: str) -> str:
+    return f"renew it: footscan calibrate RECORDING --renew {part}, or {_WHOLE}"
+
+
+TOUCHES: dict[str, Touched] = {
+    "right-laser": Touched("new or moved right laser", "the right sheet", _renew("right-laser"), True),
+    "left-laser": Touched("new or moved left laser", "the left sheet", _renew("left-laser"), True),
+    "encoder": Touched("new encoder", "zero, direction, eccentricity, latency", _renew("encoder"), True),
+    "footboard": Touched("new or moved footboard", "the floor plane", _renew("footboard"), True),
+    "lens": Touched("lens exchanged or turned", "everything", _WHOLE, True),
+    "camera": Touched("camera exchanged or moved", "everything", _WHOLE, True),
+    "carriage": Touched("carriage or bearing repaired", "everything", _WHOLE, True),
+    "moved": Touched("machine moved", "perhaps something", "re-check it: footscan calibration recheck", False),
+    "cleaned": Touched(
+        "glass or lens cleaned", "perhaps something", "re-check it: footscan calibration recheck", False
+    ),
+}
+"""Interventions by the part they were made at."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +115,9 @@ def keep_in_force(data: Path, calibration: Calibration, quality: dict[str, Any],
     write_whole(path.with_suffix(".tables.npz"), tables_bytes(build_tables(calibration)))
     write_whole(path, content)
     expected = quality.get("expected_error_mm", {})
-    log_event(data, machine, "calibration", {"sha256": digest, "expected_error_mm": expected})
+    event: dict[str, Any] = {"sha256": digest, "expected_error_mm": expected}
+    renewed = {"renewed": history["renewed"]} if "renewed" in history else {}
+    log_event(data, machine, "calibration", event | renewed)
 
 
 def log_event(data: Path, machine: str, kind: str, content: dict[str, Any]) -> None:
@@ -153,23 +195,88 @@ def zone_trends(events: list[dict[str, Any]]) -> list[ZoneTrend]:
     return trends
 
 
-def reminders(calibration: Calibration, events: list[dict[str, Any]], now: datetime) -> list[str]:
-    """What speaks against relying on a calibration: its age, later interventions, drift of the lasers."""
-    result: list[str] = []
+@dataclass(frozen=True)
+class Doubt:
+    """Something that speaks against relying on a calibration; a blocking one makes scans wrong."""
+
+    sentence: str
+    blocking: bool = False
+
+
+def doubts(calibration: Calibration, events: list[dict[str, Any]], now: datetime) -> list[Doubt]:
+    """What speaks against a calibration: its age, interventions since, failed checks, drift of the lasers."""
+    found: list[Doubt] = []
     age_days = (now - datetime.fromisoformat(calibration.created)).days if calibration.created else None
     if age_days is None:
-        result.append("the calibration does not say when it was made")
+        found.append(Doubt("the calibration does not say when it was made"))
     elif age_days > OLDEST_DAYS:
-        result.append(f"the calibration is {age_days} days old, at most {OLDEST_DAYS}: recalibrate")
-    own = fingerprint(calibration)
-    since = max((k for k, e in enumerate(events) if e["kind"] == "calibration" and e.get("sha256") == own), default=-1)
-    for event in events[since + 1 :]:
-        if event["kind"] == "service":
-            result.append(f"{event['at'][:10]}: {event.get('what', 'intervention')}; recalibrate what it touched")
+        found.append(Doubt(f"the calibration is {age_days} days old, at most {OLDEST_DAYS}: recalibrate"))
+    found += _interventions(_since(calibration, events))
+    found += _failed_checks(_since(calibration, events))
     for trend in zone_trends(events):
         if len(trend.median_mm) >= 2 * _RECENT and abs(trend.drift_mm) > DRIFT_MM:
-            result.append(
-                f"the lasers drift apart at the {trend.zone} by {trend.drift_mm:+.2f} mm over {len(trend.median_mm)} "
-                f"still scans, at most {DRIFT_MM} mm: recalibrate"
+            found.append(
+                Doubt(
+                    f"the lasers drift apart at the {trend.zone} by {trend.drift_mm:+.2f} mm over "
+                    f"{len(trend.median_mm)} still scans, at most {DRIFT_MM} mm: recalibrate"
+                )
             )
-    return result
+    return found
+
+
+def reminders(calibration: Calibration, events: list[dict[str, Any]], now: datetime) -> list[str]:
+    """The sentences of all doubts."""
+    return [doubt.sentence for doubt in doubts(calibration, events, now)]
+
+
+def _since(calibration: Calibration, events: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """What still counts: events after the calibration came into force, and before it what a renewal left open."""
+    own = fingerprint(calibration)
+    at = max((k for k, e in enumerate(events) if e["kind"] == "calibration" and e.get("sha256") == own), default=-1)
+    if at < 0 or "renewed" not in events[at]:
+        return events[at + 1 :]
+    whole = max((k for k in range(at) if events[k]["kind"] == "calibration" and "renewed" not in events[k]), default=-1)
+    done = [events[k]["renewed"] for k in range(whole + 1, at + 1) if "renewed" in events[k]]
+    left = [e for e in events[whole + 1 : at] if e["kind"] == "service" and e.get("part") not in done]
+    return [*left, *events[at + 1 :]]
+
+
+def _interventions(events: list[dict[str, Any]]) -> list[Doubt]:
+    """Interventions that no later check has cleared."""
+    open_: list[Doubt] = []
+    checkable: list[Doubt] = []
+    for event in events:
+        if event["kind"] == "service":
+            touched = TOUCHES.get(event.get("part", ""))
+            what = event.get("what") or (touched.what if touched else "intervention")
+            remedy = touched.remedy if touched else "recalibrate what it touched"
+            doubt = Doubt(f"{event['at'][:10]}: {what}; {remedy}", touched is not None and touched.blocking)
+            (open_ if touched is None or touched.blocking else checkable).append(doubt)
+        elif event["kind"] in ("recheck", "daily") and event.get("holds"):
+            checkable = []
+    return [*open_, *checkable]
+
+
+def _failed_checks(events: list[dict[str, Any]]) -> list[Doubt]:
+    """The last check of each kind, if it failed."""
+    last = {event["kind"]: event for event in events if event["kind"] in ("recheck", "daily")}
+    word = {"recheck": "the re-check with the board", "daily": "the daily check with the test body"}
+    return [
+        Doubt(f"{event['at'][:10]}: {word[kind]} failed ({'; '.join(event.get('broken', []))}): recalibrate", True)
+        for kind, event in last.items()
+        if not event.get("holds")
+    ]
+
+
+def log_service(data: Path, machine: str, part: str, what: str) -> Touched:
+    """Note an intervention; returns what it makes invalid.
+
+    Raises:
+        InputError: No such part.
+        StorageError: The log could not be written.
+    """
+    touched = TOUCHES.get(part)
+    if touched is None:
+        raise InputError(f"an intervention is at one of {', '.join(TOUCHES)}; found {part!r}.")
+    log_event(data, machine, "service", {"part": part, "what": what or touched.what})
+    return touched
