@@ -96,8 +96,8 @@ def _refuse_unmoved(recording: Recording, seen: dict[int, BoardCorners]) -> None
     if moving < FEWEST_MOVING:
         taken = sum(record.sweep != "static" for record in recording.frames)
         raise RecordingError(
-            f"the board is seen in {moving} of {taken} frames taken while the head turned, at least {FEWEST_MOVING} are "
-            "needed: without them nobody knows how late frames are stamped. Record two sweeps past a placement."
+            f"the board is seen in {moving} of {taken} frames taken while the head turned, at least {FEWEST_MOVING} "
+            "are needed: without them nobody knows how late frames are stamped. Record two sweeps past a placement."
         )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from footscan.calibration.estimate import difference_step, moved_machine
-from footscan.calibration.solve import Fit
+from footscan.calibration.solve import TUKEY, Fit
 from footscan.coordinates import LASER_NAMES, Bools, Floats, LaserName, pixel_from_uv
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics import Calibration
@@ -17,27 +17,54 @@ _GRID_PX = 12
 
 
 def covariance(fit: Fit) -> Floats:
-    """Covariance `(k, k)` of all unknowns.
+    """Covariance `(k, k)` of all unknowns: what they would be without each frame in turn (a jackknife, linearised).
 
-    Errors of one frame hang together (its corners share light and blur, its stripe places one laser line), so the
-    residuals are summed per frame before they are squared (a sandwich estimate, one cluster per frame).
+    Errors of one frame hang together (its corners share light and blur, its stripe places one laser line), so frames
+    are left out as a whole. What is known beforehand counts with its own variance.
     """
     with threadpool_limits(1):
-        return _sandwich(fit)
+        return _jackknife(fit)
 
 
-def _sandwich(fit: Fit) -> Floats:
-    matrix = fit.normal_matrix()
+def _jackknife(fit: Fit) -> Floats:
+    bend = fit.weight * _stiffness(fit)
+    matrix = (fit.jacobian * bend[:, None]).T @ fit.jacobian + np.diag(fit.firmness())
     unit = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    inverse = np.linalg.pinv(matrix * unit[:, None] * unit[None, :], rcond=1e-14, hermitian=True)
-    inverse = inverse * unit[:, None] * unit[None, :]
-    score = fit.jacobian * (fit.weight * fit.residual_px)[:, None]
-    frames, place = np.unique(fit.rows.frame * 4 + fit.rows.laser + 1, return_inverse=True)
-    summed = np.zeros((len(frames), score.shape[1]))
-    np.add.at(summed, place, score)
-    clusters = len(frames)
-    seen = summed.T @ summed * (clusters / max(1, clusters - 1))
-    return np.asarray(inverse @ (seen + np.diag(fit.firmness())) @ inverse)
+    # a millionth of a millionth keeps what nothing shows finite
+    whole = matrix * unit[:, None] * unit[None, :] + 1e-12 * np.eye(len(matrix))
+    jacobian = fit.jacobian * unit
+    key = fit.rows.frame * 4 + fit.rows.laser + 1
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    steps: list[Floats] = []
+    for rows in np.split(order, starts[1:]):
+        own, weight = jacobian[rows], fit.weight[rows]
+        used = np.flatnonzero(np.any(own != 0.0, axis=0))
+        without = whole.copy()
+        without[np.ix_(used, used)] -= (own[:, used] * bend[rows, None]).T @ own[:, used]
+        steps.append(np.linalg.solve(without, (weight * fit.residual_px[rows]) @ own))
+    moved = np.array(steps)
+    inverse = np.linalg.inv(whole)
+    known = fit.firmness() * unit**2
+    result = moved.T @ moved + (inverse * known) @ inverse
+    return np.asarray(result * unit[:, None] * unit[None, :])
+
+
+def _stiffness(fit: Fit) -> Floats:
+    """Mean slope of Tukey's influence function over its mean weight `(r,)`, per kind of residual (Huber 1981, 3.2).
+
+    The weights of a robust fit promise more than they hold: a residual that grows also loses weight.
+    """
+    ratio2 = np.minimum((fit.residual_px / (TUKEY * fit.scale_px[fit.rows.group])) ** 2, 1.0)
+    slope, weight = (1.0 - ratio2) * (1.0 - 5.0 * ratio2), (1.0 - ratio2) ** 2
+    groups = np.arange(len(fit.scale_px))
+    share = np.array([_ratio(slope[fit.rows.group == g], weight[fit.rows.group == g]) for g in groups])
+    return share[fit.rows.group]
+
+
+def _ratio(slope: Floats, weight: Floats) -> float:
+    """Between a fifth (nearly all rejected) and one."""
+    return float(np.clip(slope.sum() / max(float(weight.sum()), 1e-12), 0.2, 1.0)) if len(slope) else 1.0
 
 
 def standard_deviations(fit: Fit) -> dict[str, float]:
