@@ -42,7 +42,8 @@ def _jackknife(fit: Fit) -> Floats:
         used = np.flatnonzero(np.any(own != 0.0, axis=0))
         without = whole.copy()
         without[np.ix_(used, used)] -= (own[:, used] * bend[rows, None]).T @ own[:, used]
-        steps.append(np.linalg.solve(without, (weight * fit.residual_px[rows]) @ own))
+        score: Floats = (weight * fit.residual_px[rows]) @ own
+        steps.append(np.asarray(np.linalg.solve(without, score), dtype=np.float64))
     moved = np.array(steps)
     inverse = np.linalg.inv(whole)
     known = fit.firmness() * unit**2

@@ -1,8 +1,7 @@
-"""`footscan calibrate`, `board`, `accept`, `calibration history`: the technician's commands."""
+"""`footscan calibrate`, `board`, `accept`, `study calibration`: the technician's commands."""
 
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.table import Table
@@ -10,6 +9,7 @@ from rich.table import Table
 from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
 from footscan.calibration.joint import Choices
 from footscan.calibration.quality import quality_lines
+from footscan.calibration.renew import PARTS
 from footscan.cli.calibrate_rig import GuidedChoices, record_guided
 from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.cli.scan import chosen_rig
@@ -19,19 +19,13 @@ from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, QualityError
 from footscan.records.data_folder import data_folder
 from footscan.workflow.accept import accept_recording, save_acceptance, summary_lines
-from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
-from footscan.workflow.calibration_log import in_force_path, machines, read_log, reminders, zone_trends
+from footscan.workflow.calibrate import CalibrateSettings, measured_board, run_calibration, tables_path
+from footscan.workflow.calibration_checks import renew_recording
+from footscan.workflow.calibration_log import in_force_path, machine_name
 from footscan.workflow.calibration_study import run_study, save_plot, study_table
 from footscan.workflow.designs import builtin_scanner
 
-calibration_app = typer.Typer(help="What is known of calibrations in force.", no_args_is_help=True)
-
 _MEASURED = "Length of the print over all squares, by calliper, mm, without the white border."
-
-
-@calibration_app.callback()
-def _calibration() -> None:
-    """What is known of calibrations in force."""
 
 
 def calibrate(
@@ -50,6 +44,12 @@ def calibrate(
     horizontal_scale: Annotated[
         bool, typer.Option("--horizontal-scale", help="Estimate the camera's horizontal scale too.")
     ] = False,
+    renew: Annotated[
+        str | None, typer.Option(help="Only this part anew: right-laser, left-laser, encoder, footboard.")
+    ] = None,
+    parent: Annotated[
+        Path | None, typer.Option("--from", help="With --renew: the calibration that still holds; default: --out.")
+    ] = None,
     in_force: Annotated[
         bool, typer.Option("--in-force", help="Also put it in force in the data folder, with its history.")
     ] = False,
@@ -63,6 +63,9 @@ def calibrate(
         raise InputError("one measured length of the board was given; give both, --measured-x and --measured-y.")
     measured = None if measured_x is None or measured_y is None else (measured_x, measured_y)
     kept = data_folder(data) if in_force or data is not None else None
+    if renew is not None:
+        _renew(recording, out, renew, parent or out, measured, kept)
+        return
     settings = CalibrateSettings(measured, Choices(horizontal_scale=horizontal_scale), kept)
     with progress_bar("frames", quiet=json_only) as progress:
         result = run_calibration(recording, out, settings, progress)
@@ -73,7 +76,19 @@ def calibrate(
         STDOUT.print(line)
     STDOUT.print(f"Calibration in {out}, its tables in {tables_path(out).name} ({sum(result.seconds.values()):.1f} s)")
     if kept is not None:
-        STDOUT.print(f"In force: {in_force_path(kept, result.calibration.machine_id or result.calibration.scanner)}")
+        STDOUT.print(f"In force: {in_force_path(kept, machine_name(result.calibration))}")
+
+
+def _renew(
+    recording: Path, out: Path, part: str, parent: Path, measured: tuple[float, float] | None, kept: Path | None
+) -> None:
+    if part not in PARTS:
+        raise InputError(f"--renew takes one of {', '.join(PARTS)}; found {part!r}. For the rest leave it out.")
+    with progress_bar("frames", quiet=False) as progress:
+        made = renew_recording(recording, parent, out, part, measured_board(recording, measured), kept, progress)
+    for gate in made.gates:
+        STDOUT.print(f"{gate.name.replace('_', ' ')} ({gate.where}): {gate.value:.3f}, at most {gate.limit:g}")
+    STDOUT.print(f"Renewed: {part}; everything else stays. Calibration in {out}, its tables in {tables_path(out).name}")
 
 
 def board(
@@ -123,55 +138,6 @@ def accept(
         save_acceptance(result, out)
     elif result.broken:
         raise QualityError(f"not accepted ({result.of_what}): {'; '.join(result.broken)}.")
-
-
-@calibration_app.command("history")
-def history(
-    machine: Annotated[str | None, typer.Option(help="Machine id; default: every machine with a history.")] = None,
-    data: Annotated[Path | None, typer.Option(help="Data folder; default: FOOTSCAN_DATA or the user's own.")] = None,
-    json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
-) -> None:
-    """Calibrations, interventions, and how left and right disagree in scans of feet that were judged still."""
-    folder = data_folder(data)
-    names = [machine] if machine is not None else machines(folder)
-    told = {name: _machine_history(folder, name) for name in names}
-    if machine is not None and not told[machine]["events"]:
-        raise InputError(f"{folder} has no history of a machine called {machine!r}; check --machine and --data.")
-    if json_only:
-        print_json({"machines": told})
-        return
-    for name, entry in told.items():
-        _tell_history(name, entry)
-    if not told:
-        STDOUT.print(f"No calibration was put in force in {folder} yet; footscan calibrate --in-force does.")
-
-
-def _machine_history(folder: Path, name: str) -> dict[str, Any]:
-    events = read_log(folder, name)
-    path = in_force_path(folder, name)
-    notes = (
-        reminders(load_calibration(path), events, datetime.now(UTC)) if path.is_file() else ["no calibration in force"]
-    )
-    trends = {
-        trend.zone: {"scans": len(trend.median_mm), "drift_mm": trend.drift_mm, "median_mm": list(trend.median_mm)}
-        for trend in zone_trends(events)
-    }
-    return {"events": events, "reminders": notes, "agreement": trends}
-
-
-def _tell_history(name: str, entry: dict[str, Any]) -> None:
-    STDOUT.print(f"Machine {name}")
-    for event in entry["events"]:
-        if event["kind"] == "calibration":
-            errors = ", ".join(f"{laser} {mm:.3f}" for laser, mm in event.get("expected_error_mm", {}).items())
-            STDOUT.print(f"  {event['at']}  calibrated, expected error {errors} mm  ({event['sha256'][:12]})")
-        elif event["kind"] == "service":
-            STDOUT.print(f"  {event['at']}  {event.get('what', 'intervention')}")
-    for zone, trend in entry["agreement"].items():
-        values = " ".join(f"{x:+.2f}" for x in trend["median_mm"][-10:])
-        STDOUT.print(f"  {zone:8} right minus left over {trend['scans']} still scans: {values} mm")
-    for note in entry["reminders"]:
-        STDOUT.print(f"  Reminder: {note}")
 
 
 @study_app.command("calibration")

@@ -58,6 +58,30 @@ def record_guided(rig: Rig, folder: Path, choices: GuidedChoices) -> None:
         )
 
 
+def record_one_placement(rig: Rig, folder: Path, choices: GuidedChoices) -> None:
+    """One placement and the bare footboard: enough to align lasers or to re-check a calibration.
+
+    Raises:
+        DeviceError: A device is in trouble, or nobody confirmed that the machine may move.
+        QualityError: The board was found from nowhere.
+    """
+    board = DEFAULT_BOARD if choices.board is None else load_board(choices.board)
+    with opened_rig_session(rig, "left", None) as (opened, session):
+        guided = GuidedCalibration(session, folder, board, choices.stops, _Teller())
+        _put(opened, None, "Clear the footboard: nothing may stand on it.", choices)
+        _arm(session, choices)
+        guided.begin(f"one placement at {rig.scanner.name}")
+        _arm(session, choices)
+        guided.record_empty()
+        _put(opened, 0, f"Place the board {PLACEMENTS[0]}. Step back.", choices)
+        _arm(session, choices)
+        report = guided.record_placement()
+        guided.finish()
+    if report.why:
+        raise QualityError(f"{report.sentence()}.")
+    STDOUT.print(report.sentence())
+
+
 def _record_placements(opened: OpenedRig, guided: GuidedCalibration, choices: GuidedChoices) -> bool:
     for number in range(choices.placements):
         advice = PLACEMENTS[number % len(PLACEMENTS)]

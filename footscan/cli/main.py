@@ -9,7 +9,8 @@ import cv2
 import typer
 
 from footscan.cli.bench import bench_app
-from footscan.cli.calibrate import accept, board, calibrate, calibration_app
+from footscan.cli.calibrate import accept, board, calibrate
+from footscan.cli.calibration import calibration_app
 from footscan.cli.doctor import doctor
 from footscan.cli.drill import drill_app
 from footscan.cli.emulate import emulate

@@ -48,7 +48,7 @@ def run_calibration(
     """
     recording = open_recording(folder)
     history = _parent(recording, out)
-    board = _measured(recording, settings)
+    board = _measured(recording, settings.measured_mm)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     result = calibrate_recording(recording, board, settings.choices, LIMITS, progress, now)
     quality = quality_table(result, recording_sha256(folder)) | {"made_at": now}
@@ -83,10 +83,20 @@ def _parent(recording: Recording, out: Path) -> dict[str, Any]:
     return {"parents": parents, "parent_created": old.calibration.created}
 
 
-def _measured(recording: Recording, settings: CalibrateSettings) -> Board | None:
-    if settings.measured_mm is None or recording.board is None:
+def measured_board(folder: Path, measured_mm: tuple[float, float] | None) -> Board | None:
+    """The board of a recording with lengths measured over all its squares; None leaves the recording's own.
+
+    Raises:
+        InputError: A length that cannot be that of all squares.
+        RecordingError: No recording.
+    """
+    return _measured(open_recording(folder), measured_mm)
+
+
+def _measured(recording: Recording, measured_mm: tuple[float, float] | None) -> Board | None:
+    if measured_mm is None or recording.board is None:
         return None
-    x, y = settings.measured_mm
+    x, y = measured_mm
     board = recording.board
     for axis, length, squares in (("x", x, board.squares_x), ("y", y, board.squares_y)):
         nominal = squares * board.square_mm
