@@ -79,7 +79,8 @@ def solid_of(mesh: trimesh.Trimesh) -> manifold3d.Manifold:
         MeshError: It is not closed.
     """
     raw = manifold3d.Mesh64(
-        vert_properties=np.asarray(mesh.vertices, dtype=np.float64), tri_verts=np.asarray(mesh.faces, dtype=np.uint64)
+        vert_properties=np.array(mesh.vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(mesh.faces, dtype=np.uint64, order="C"),
     )
     solid = manifold3d.Manifold(raw)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import trimesh
 from scipy.interpolate import BSpline
 
 from footscan.config.toml_file import write_whole
@@ -18,11 +19,11 @@ from footscan.coordinates import Floats, Side
 from footscan.errors import MeshError
 from footscan.foot.nurbs import DEGREE, SplineTube
 from footscan.foot.surface_files import clamped_net
-from footscan.shoelast.handed import DATUM, mirrored
-from footscan.shoelast.model import Shoelast
+from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
+from footscan.shoelast.model import Attachment, Shoelast
 from footscan.shoelast.patches import ChordDisc
 
-FORMAT = "footscan-last/1"
+FORMAT = "footscan-last-surfaces/1"
 _DELTA = 0.02  # geomdl's default step of evaluation
 
 
@@ -91,14 +92,18 @@ def last_document(shoelast: Shoelast) -> dict[str, Any]:
         "remarks": list(shoelast.remarks),
         "lines": {name: mirrored(line, side).tolist() for name, line in shoelast.lines.items()},
         "points": {name: mirrored(point, side).tolist() for name, point in shoelast.points.items()},
+        "attachments": [_attachment_json(each, side) for each in shoelast.attachments],
         "shape": {"type": "surface", "count": 3, "data": [_surface(patch) for patch in clamped_patches(shoelast)]},
     }
 
 
-def save_last_json(shoelast: Shoelast, path: Path) -> None:
-    """Write a last as JSON: three NURBS surfaces that geomdl reads, and its names, lines and points.
+def _attachment_json(attachment: Attachment, side: Side) -> dict[str, Any]:
+    mesh = mirrored_mesh(attachment.mesh, side)
+    return {"kind": attachment.kind, "xyz": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}
 
-    Stub and toe centre are meshes and stay out.
+
+def save_last_json(shoelast: Shoelast, path: Path) -> None:
+    """Write a last as JSON: three NURBS surfaces that geomdl reads; its names, lines, points, stub and toe centre.
 
     Raises:
         StorageError: The place cannot be written.
@@ -159,8 +164,15 @@ def _last_of(document: Mapping[str, Any]) -> Shoelast:
         fitting=str(document["fitting"]),
         lines={name: mirrored(_points(line), side) for name, line in document["lines"].items()},
         points={name: mirrored(_points([point])[0], side) for name, point in document["points"].items()},
+        attachments=tuple(_attachment(each, side) for each in document["attachments"]),
         remarks=tuple(str(remark) for remark in document["remarks"]),
     )
+
+
+def _attachment(content: Mapping[str, Any], side: Side) -> Attachment:
+    faces = np.asarray(content["faces"], dtype=np.int64).reshape(-1, 3)
+    mesh = trimesh.Trimesh(_points(content["xyz"]), faces, process=False)
+    return Attachment(str(content["kind"]), mirrored_mesh(mesh, side))
 
 
 def _side(word: object) -> Side:

@@ -54,6 +54,9 @@ def test_json_comes_back_as_the_same_last(tub: Tub, side: Side, tmp_path: Path):
     assert np.allclose(back.bottom.knots_t, shoelast.bottom.knots_t, atol=1e-15)
     assert (back.name, back.side, back.style, back.size_eu, back.fitting) == ("tub", side, "men", 38.0, "G")
     assert back.remarks == shoelast.remarks
+    assert [part.kind for part in back.attachments] == ["stub"]
+    assert np.allclose(back.attachments[0].mesh.vertices, shoelast.attachments[0].mesh.vertices)
+    assert back.attachments[0].mesh.volume == pytest.approx(3920.0)
     for name, line in shoelast.lines.items():
         assert np.array_equal(back.lines[name], line)
     assert np.array_equal(back.points["toe_point"], shoelast.points["toe_point"])
@@ -76,7 +79,7 @@ def test_geomdl_reads_three_surfaces_of_the_left_last_where_they_are(tub: Tub, t
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda d: d.update(format="footscan-measurements/1"), "allowed is 'footscan-last/1'"),
+        (lambda d: d.update(format="footscan-measurements/1"), "allowed is 'footscan-last-surfaces/1'"),
         (lambda d: d.update(side="both"), "damaged"),
         (lambda d: d["shape"]["data"].pop(), "damaged"),
         (lambda d: d["shape"]["data"][0]["knotvector_u"].pop(), "do not fit"),
