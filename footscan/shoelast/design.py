@@ -17,7 +17,7 @@ from footscan.coordinates import Floats
 
 SEAT_SHARE = 0.16
 """Where along a last the seat's height and the heel's width are taken (a foot's heel breadth is at 16 % too)."""
-TREAD_SHARE = 0.68
+TREAD_SHARE = 0.65
 """Where the design's bottom touches the ground."""
 
 
