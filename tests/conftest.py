@@ -7,12 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from footscan.config import load_calibration
 from footscan.optics.calibration import Calibration
 from footscan.optics.scanner import Scanner, calibration_from_design
 from footscan.workflow.designs import builtin_scanner
 from footscan.workflow.simulate import SimulateSettings, simulate_scan
+
+settings.register_profile("footscan", deadline=None)  # how long an example takes says how busy the computer is
+settings.load_profile("footscan")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -27,7 +27,7 @@ _ARTEFACT = ("at", "heading", "tilt")
 _SCAN = ("side", "unit", "frames", "obstacle", "unlit_every", "alternate", "exposure")
 _KNOBS: dict[str, tuple[str, ...]] = {
     BOARD: _BOARD_ONLY,
-    "foot": (*_SCAN, "size"),
+    "foot": (*_SCAN, "size", "arch", "hallux_valgus", "missing_toe"),
     "sphere": (*_SCAN, "diameter", "at"),
     "ball-bar": (*_SCAN, "diameter", "spacing", *_ARTEFACT),
     "plane": (*_SCAN, *_ARTEFACT),
@@ -49,6 +49,11 @@ def simulate(  # one option a knob: the command is the list of them
     ideal: Annotated[bool, typer.Option("--ideal", help="A machine exactly as designed.")] = False,
     frames: Annotated[int, typer.Option(help="Frames per sweep.", min=8, max=20000)] = 240,
     size: Annotated[float, typer.Option(help="Size of the built-in foot, 0.45 to 1.2.")] = 1.0,
+    arch: Annotated[float, typer.Option(help="Arch of the built-in foot: 0 flat, 1 usual, 1.5 high.")] = 1.0,
+    hallux_valgus: Annotated[float, typer.Option(help="How far its big toe leans, degrees, up to 28.")] = 0.0,
+    missing_toe: Annotated[
+        list[int] | None, typer.Option(help="Number 1 (big toe) to 5 of an amputated toe; may be given several times.")
+    ] = None,
     obstacle: Annotated[
         list[str] | None,
         typer.Option(help=f"{', '.join(OBSTACLES)}: beside or around the foot; may be given several times."),
@@ -90,7 +95,20 @@ def simulate(  # one option a knob: the command is the list of them
         tilt_rad=math.radians(tilt) if tilt is not None else None,
     )
     settings = SimulateSettings(
-        thing, unit, side, number, frames, size, tuple(obstacle or ()), unlit_every, alternate, exposure, artefact
+        thing,
+        unit,
+        side,
+        number,
+        frames,
+        size=size,
+        arch=arch,
+        hallux_valgus_rad=math.radians(hallux_valgus),
+        missing_toes=tuple(missing_toe or ()),
+        obstacles=tuple(obstacle or ()),
+        unlit_every=unlit_every,
+        alternating=alternate,
+        exposure=exposure,
+        artefact=artefact,
     )
     with progress_bar("frames", quiet=False) as progress:
         simulate_scan(design, settings, out, progress)

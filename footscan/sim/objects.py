@@ -16,7 +16,9 @@ __all__ = ["OBJECT_NAMES", "build_cylinder", "build_object", "build_plate", "bui
 OBJECT_NAMES = ("foot", *ARTEFACT_NAMES, "cylinder")
 
 
-def build_object(name: str, unit: str = "mm", side: Side = "left", size: float = 1.0) -> Surface:
+def build_object(
+    name: str, unit: str = "mm", side: Side = "left", size: float = 1.0, shape: FootShape | None = None
+) -> Surface:
     """A named object, or a mesh file put on the board with the middle of its outline on the axis.
 
     Args:
@@ -24,13 +26,14 @@ def build_object(name: str, unit: str = "mm", side: Side = "left", size: float =
         unit: Of the file: mm, cm or m.
         side: Of the built-in foot.
         size: Of the built-in foot.
+        shape: Of the built-in foot, instead of side and size: arch and deformities too.
 
     Raises:
         InputError: No such object or file, or a size or unit that does not fit.
     """
     match name:
         case "foot":
-            return build_foot(FootShape(side, size))
+            return build_foot(shape or FootShape(side, size))
         case _ if name in ARTEFACT_NAMES:
             return build_artefact(name).surface
         case "cylinder":

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from footscan.config import RecordingInfo, save_calibration, scanner_toml
+from footscan.config import RecordingInfo, Subject, save_calibration, scanner_toml
 from footscan.config.recording_file import RecordingSide
 from footscan.coordinates import LASER_NAMES, Floats, Frame, Ints, LaserName
 from footscan.errors import StorageError
@@ -112,6 +112,7 @@ def simulate_recording(
     with_seen: bool = False,
     progress: Callable[[int, int], None] | None = None,
     artefact: Artefact | None = None,
+    subject: Subject | None = None,
 ) -> None:
     """Run a scan into a new recording folder, with `truth-calibration.toml` and `truth.stl` beside the frames.
 
@@ -124,13 +125,14 @@ def simulate_recording(
         with_seen: Also write `truth-seen.npy`: how many sheets, 0 to 2, can light and show each face of `truth.stl`.
         progress: Called with the frames done and all frames.
         artefact: What is known about the artefact on the board, for artefact.toml.
+        subject: What is known about the person, for recording.toml.
 
     Raises:
         RecordingError: The folder already holds a recording.
         StorageError: The folder cannot be written.
     """
     created = created or datetime.now(UTC).isoformat(timespec="seconds")
-    info = RecordingInfo("scan", side, created, notes)
+    info = RecordingInfo("scan", side, created, notes, subject or Subject())
     make_folder(folder)
     with RecordingWriter(folder, info, scanner_toml(scan.machine.scanner)) as writer:
         if artefact is not None:

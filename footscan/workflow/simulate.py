@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from footscan.config import load_calibration
+from footscan.config import Subject, load_calibration
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
 from footscan.optics.scanner import Scanner
@@ -14,6 +14,7 @@ from footscan.scanning.recording import open_recording
 from footscan.scanning.sweep import Progress
 from footscan.sim.artefacts import ARTEFACT_NAMES, USUAL_ARTEFACT, ArtefactChoice, build_artefact
 from footscan.sim.calibration_run import CalibrationPlan, prepare_calibration, simulate_calibration
+from footscan.sim.foot import FootShape
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.motion import SweepPlan
 from footscan.sim.objects import build_object
@@ -39,6 +40,9 @@ class SimulateSettings:
         seed: A workshop machine by its seed, or the ideal one (None).
         frames_per_sweep: Pictures of one turn.
         size: Of the built-in foot.
+        arch: Of the built-in foot: 0 flat, 1 usual, 1.5 high.
+        hallux_valgus_rad: How far the big toe of the built-in foot leans to the others.
+        missing_toes: Numbers of its amputated toes; the recording names them as absent.
         obstacles: Names of what stands beside or around the foot.
         unlit_every: Every n-th frame is taken without a laser; 0 is none.
         alternating: One sweep with the lasers in turn, instead of one sweep for either.
@@ -52,6 +56,9 @@ class SimulateSettings:
     seed: int | None = None
     frames_per_sweep: int = 240
     size: float = 1.0
+    arch: float = 1.0
+    hallux_valgus_rad: float = 0.0
+    missing_toes: tuple[int, ...] = ()
     obstacles: tuple[str, ...] = ()
     unlit_every: int = 0
     alternating: bool = False
@@ -71,7 +78,7 @@ def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, pr
     surface = (
         artefact.surface
         if artefact is not None
-        else build_object(settings.thing, settings.unit, settings.side, settings.size)
+        else build_object(settings.thing, settings.unit, settings.side, settings.size, _shape(settings))
     )
     beside = tuple(part for name in settings.obstacles for part in build_obstacle(name, surface, settings.side))
     plan = SweepPlan(
@@ -82,8 +89,14 @@ def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, pr
     picture = replace(DEFAULT_PICTURE, exposure=settings.exposure)
     scan = prepare_scan(_machine(scanner, settings.seed), surface, plan, picture, settings.seed or 0, beside)
     notes = ", ".join([f"simulated: {settings.thing}", *settings.obstacles])
-    simulate_recording(folder, scan, settings.side, notes, progress=progress, artefact=artefact)
+    subject = Subject(absent=tuple(f"toe_{number}" for number in sorted(set(settings.missing_toes))))
+    simulate_recording(folder, scan, settings.side, notes, progress=progress, artefact=artefact, subject=subject)
     return scan.surface
+
+
+def _shape(settings: SimulateSettings) -> FootShape:
+    missing = tuple(sorted(set(settings.missing_toes)))
+    return FootShape(settings.side, settings.size, settings.arch, settings.hallux_valgus_rad, missing)
 
 
 def simulate_board(scanner: Scanner, plan: CalibrationPlan, seed: int | None, folder: Path, progress: Progress) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from footscan.cli.main import run
+from footscan.config import load_recording_info
 
 FOOT_FILES = {"surface.stl", "surface.ply", "surface.json", "measurements.json", "report.png"}
 
@@ -93,6 +94,13 @@ def test_process_tells_a_person_what_came_out(small_scan, tmp_path):
             2,
             "--size means nothing for OBJECT sphere; it belongs to foot",
         ),
+        (
+            ["simulate", "foot", "OUT", "--arch", "3"],
+            2,
+            "the arch of the built-in foot goes from 0 (flat) to 1.5 (high)",
+        ),
+        (["simulate", "foot", "OUT", "--hallux-valgus", "nan"], 2, "leans 0 to 28 degrees, found nan"),
+        (["simulate", "foot", "OUT", "--missing-toe", "6"], 2, "toes have the numbers 1 (big toe) to 5"),
         (["simulate", "plane", "OUT", "--bow", "2"], 2, "--bow means nothing for OBJECT plane; it belongs to board"),
         (["simulate", "board", "OUT", "--frames", "9"], 2, "--frames means nothing for OBJECT board"),
         (["scan", "--side", "up"], 2, "`footscan scan --help` lists what is allowed"),
@@ -142,6 +150,13 @@ def test_simulate_writes_a_recording_that_info_finds_whole(tmp_path):
     assert content["frames"] == 16
     assert content["problems"] == []
     assert {path.name for path in Path(tmp_path / "s").iterdir()} >= {"truth-calibration.toml", "truth.stl"}
+
+
+def test_a_simulated_amputation_is_named_in_the_recording(tmp_path):
+    toes = ("--missing-toe", "5", "--missing-toe", "2", "--arch", "0", "--hallux-valgus", "20")
+    footscan("simulate", "foot", tmp_path / "s", "--frames", "8", *toes, check=0)
+
+    assert load_recording_info(tmp_path / "s/recording.toml").subject.absent == ("toe_2", "toe_5")
 
 
 @pytest.fixture(scope="module")

@@ -88,16 +88,22 @@ class Bench:
             time.sleep(0.002)
 
 
+def opened_bench(
+    folder: Path, rig: Rig | None = None, calibrated: bool = True, calibration: Calibration | None = None
+) -> Bench:
+    """A bench whose session runs; whoever opens it closes the session."""
+    rig = rig or small_rig()
+    chosen = app.open_rig(rig)
+    calibration = calibration or (app.true_machine(rig).calibration if calibrated else None)
+    return Bench(chosen, app.start_session(chosen, calibration), folder / "recording")
+
+
 @pytest.fixture
 def open_bench(tmp_path: Path) -> Iterator[Callable[..., Bench]]:
     benches: list[Bench] = []
 
     def opened(rig: Rig | None = None, calibrated: bool = True, calibration: Calibration | None = None) -> Bench:
-        rig = rig or small_rig()
-        chosen = app.open_rig(rig)
-        calibration = calibration or (app.true_machine(rig).calibration if calibrated else None)
-        session = app.start_session(chosen, calibration)
-        benches.append(Bench(chosen, session, tmp_path / "recording"))
+        benches.append(opened_bench(tmp_path, rig, calibrated, calibration))
         return benches[-1]
 
     yield opened

@@ -1,3 +1,5 @@
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -16,15 +18,15 @@ from footscan.scanning.session.stops import (
     record_stops,
 )
 from footscan.workflow.guided_calibration import GuidedCalibration
-from tests.scanning.session.conftest import Bench
+from tests.scanning.session.conftest import Bench, opened_bench
 
 INFO = RecordingInfo("calibration", "none", "2026-01-01T00:00:00+00:00")
 
 
-@pytest.fixture
-def recorded(open_bench) -> Bench:
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     """Three stops of placement 0 and one of the bare board, then a pass of placement 0, without any calibration."""
-    bench: Bench = open_bench(calibrated=False)
+    bench = opened_bench(tmp_path_factory.mktemp("stops"), calibrated=False)
     bench.ready()
     bench.folder.mkdir()
     (bench.folder / "board.toml").write_bytes(board_toml(DEFAULT_BOARD))
@@ -36,7 +38,8 @@ def recorded(open_bench) -> Bench:
     bench.session.post(lambda machine: record_pass(machine, PassOrder("0", 0.5, 1.5))).wait(120)
     bench.session.post(lambda machine: machine.keeper.end()).wait(30)
     bench.wait_until(lambda: bench.session.settled)
-    return bench
+    yield bench
+    bench.session.close()
 
 
 def test_each_stop_has_its_three_lights_and_its_placements_name(recorded: Bench):

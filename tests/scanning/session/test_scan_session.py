@@ -1,6 +1,6 @@
 import itertools
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,12 +23,21 @@ from footscan.scanning.session.programs import hold, home
 from footscan.scanning.session.states import State
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
-from tests.scanning.session.conftest import Bench, small_rig
+from tests.scanning.session.conftest import Bench, opened_bench, small_rig
 
 
-def test_a_whole_scan_is_recorded_and_every_captured_frame_has_a_name(bench: Bench) -> None:
+@pytest.fixture(scope="module")
+def scanned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    """After a whole scan; only looked at."""
+    bench = opened_bench(tmp_path_factory.mktemp("scanned"))
     bench.ready()
     bench.start_scan().wait(120)
+    yield bench
+    bench.session.close()
+
+
+def test_a_whole_scan_is_recorded_and_every_captured_frame_has_a_name(scanned: Bench) -> None:
+    bench = scanned
     snapshot = bench.session.snapshot()
     frames = snapshot.frames
     recording = open_recording(bench.folder)
@@ -41,9 +50,8 @@ def test_a_whole_scan_is_recorded_and_every_captured_frame_has_a_name(bench: Ben
     assert {(record.sweep, record.laser) for record in recording.frames} == {("ccw", "right"), ("cw", "left")}
 
 
-def test_the_recording_of_a_session_becomes_the_foot_that_stood_there(bench: Bench) -> None:
-    bench.ready()
-    bench.start_scan().wait(120)
+def test_the_recording_of_a_session_becomes_the_foot_that_stood_there(scanned: Bench) -> None:
+    bench = scanned
     calibration = bench.session.setup.calibration
     assert calibration is not None
     cloud = process_recording(open_recording(bench.folder), calibration, ProcessSettings()).cloud
@@ -62,12 +70,9 @@ def test_nothing_moves_or_shines_unless_somebody_armed_it(bench: Bench) -> None:
     assert bench.world.off_since_s == bench.world.start_s
 
 
-def test_after_a_scan_the_machine_must_be_armed_anew(bench: Bench) -> None:
-    bench.ready()
-    bench.start_scan().wait(120)
-
-    assert not bench.session.snapshot().armed
-    assert bench.world.off_since_s is not None
+def test_after_a_scan_the_machine_must_be_armed_anew(scanned: Bench) -> None:
+    assert not scanned.session.snapshot().armed
+    assert scanned.world.off_since_s is not None
 
 
 def test_cancel_switches_off_and_keeps_what_is_there(bench: Bench) -> None:
@@ -372,9 +377,8 @@ def test_closing_switches_everything_off_in_the_middle_of_a_scan(bench: Bench) -
     assert len(open_recording(bench.folder).frames) == bench.session.snapshot().frames.kept
 
 
-def test_the_info_of_a_scan_stays_with_it(bench: Bench) -> None:
-    bench.ready()
-    bench.start_scan().wait(120)
+def test_the_info_of_a_scan_stays_with_it(scanned: Bench) -> None:
+    bench = scanned
     info = open_recording(bench.folder).info
 
     assert info == RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00")
