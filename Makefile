@@ -32,12 +32,14 @@ bench: $(STAMP)
 	$(BIN)/footscan bench process
 	$(BIN)/footscan bench foot
 	$(BIN)/footscan bench session
+	$(BIN)/footscan bench calibration
 
 drill: $(STAMP)
 	$(BIN)/footscan drill --rounds 3
 	$(BIN)/footscan drill --rig configs/rig-emulated.toml
 	$(BIN)/footscan drill records
 	$(BIN)/footscan study motion --scans 40
+	$(BIN)/footscan study machines --count 20
 
 clean:
 	rm -rf $(VENV) out

@@ -1,5 +1,7 @@
 """`footscan bench ...`: speed and accuracy, each beside a baseline measured in the same run."""
 
+import statistics
+import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -14,9 +16,11 @@ from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
 from footscan.scanning.session.control import SessionSetup
-from footscan.workflow import foot_bench, picture_bench, process_bench, session_bench, stripe_bench
+from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN
+from footscan.workflow import foot_bench, machines_study, picture_bench, process_bench, session_bench, stripe_bench
 from footscan.workflow.designs import builtin_scanner
 from footscan.workflow.process import build_tables
+from footscan.workflow.simulate import simulate_board
 
 bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)
 
@@ -122,6 +126,30 @@ def bench_process(
         )
     loop, stages = long.loop_s / short.loop_s, long.stages_s / short.stages_s
     STDOUT.print(f"{times} times the frames: frame loop {loop:.1f} times, all stages {stages:.1f} times the time")
+
+
+@bench_app.command("calibration")
+def bench_calibration(
+    recording: Annotated[
+        Path | None, typer.Argument(help="Calibration recording; default: one of a simulated machine.")
+    ] = None,
+    repeats: Annotated[int, typer.Option(help="Runs, after one that is not counted.", min=1, max=50)] = 3,
+) -> None:
+    """From a calibration recording to an accepted calibration, beside OpenCV finding the board alone."""
+    with tempfile.TemporaryDirectory() as place, announce_compilation(STDERR.print):
+        folder = recording
+        if folder is None:
+            folder = Path(place) / "recording"
+            simulate_board(_design(None), DEFAULT_CALIBRATION_PLAN, 1, folder, lambda done, total: None)
+        timing = machines_study.time_calibration(folder, repeats)
+    wall, cpu, alone = (
+        f"{min(s):.1f} / {statistics.median(s):.1f}" for s in (timing.wall_s, timing.cpu_s, timing.board_alone_s)
+    )
+    ratio = statistics.median(timing.wall_s) / statistics.median(timing.board_alone_s)
+    STDOUT.print(
+        f"{timing.frames} frames to a calibration: {wall} s (minimum / median; target 30), {cpu} s of one core"
+    )
+    STDOUT.print(f"OpenCV finding the board in the unlit frames alone: {alone} s; {ratio:.1f} times that in all")
 
 
 @bench_app.command("session")

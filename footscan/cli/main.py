@@ -22,6 +22,7 @@ from footscan.cli.scan import scan_command, scans_command
 from footscan.cli.serve import serve
 from footscan.cli.simulate import demo, simulate
 from footscan.cli.study import study_app
+from footscan.cli.support import support_bundle
 from footscan.errors import FootscanError
 
 app = typer.Typer(
@@ -45,6 +46,7 @@ app.command()(board)
 app.command()(calibrate)
 app.command()(accept)
 app.command()(demo)
+app.command("support-bundle")(support_bundle)
 app.add_typer(bench_app, name="bench")
 app.add_typer(calibration_app, name="calibration")
 app.add_typer(drill_app, name="drill")

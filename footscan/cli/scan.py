@@ -5,6 +5,7 @@ import signal
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,12 +20,13 @@ from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
 from footscan.config.rig_file import Rig, load_rig
 from footscan.coordinates import Side
-from footscan.errors import ConfigError, FootscanError, InputError, InterlockError
+from footscan.errors import ConfigError, FootscanError, InputError, InterlockError, QualityError
 from footscan.optics.calibration import Calibration
 from footscan.records.data_folder import SCANS, data_folder
 from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.states import Snapshot, State
+from footscan.workflow.calibration_log import doubts, machine_name, read_log
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings
@@ -195,7 +197,26 @@ def _calibration(rig: Rig, given: Path | None, data: Path, quiet: bool) -> Calib
         raise ConfigError(f"{word}. Calibrate the machine, or give a file with --calibration.")
     if not quiet:
         STDOUT.print(word)
+    _say_doubts(data, in_force)
     return in_force
+
+
+def _say_doubts(data: Path, calibration: Calibration) -> None:
+    """A reminder before a scan; what an intervention or a failed check has made invalid refuses it.
+
+    Raises:
+        QualityError: The calibration in force is no longer valid.
+    """
+    events = read_log(data, machine_name(calibration))
+    found = doubts(calibration, events, datetime.now(UTC)) if events else []
+    for doubt in found:
+        STDERR.print(f"Reminder: {doubt.sentence}")
+    blocking = [doubt.sentence for doubt in found if doubt.blocking]
+    if blocking:
+        raise QualityError(
+            f"the calibration in force is not valid: {'; '.join(blocking)}. To scan nevertheless, name it with "
+            "--calibration."
+        )
 
 
 def _confirm(yes: bool) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,10 @@ from typer.testing import CliRunner
 
 from footscan.cli.main import app
 from footscan.config import load_board, load_calibration
-from footscan.errors import InputError, MachineMismatchError, PoorFitError, RecordingError
-from footscan.optics.calibration import fingerprint
+from footscan.errors import InputError, MachineMismatchError, PoorFitError, QualityError, RecordingError
+from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.table_store import load_tables
+from footscan.workflow.calibration_log import keep_in_force
 
 runner = CliRunner()
 
@@ -120,3 +122,15 @@ def small_sphere(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = runner.invoke(app, ["simulate", "sphere", str(folder), "--seed", "4", "--frames", "48"])
     assert done.exit_code == 0, done.output
     return folder
+
+
+def test_a_scan_is_refused_while_an_intervention_has_made_the_calibration_invalid(tmp_path: Path, ideal: Calibration):
+    machine = replace(ideal, machine_id="sim-1", created="2026-01-01T00:00:00+00:00")
+    keep_in_force(tmp_path, machine, {}, {})
+    noted = runner.invoke(app, ["calibration", "service", "lens", "--data", str(tmp_path)])
+    scan = runner.invoke(app, ["scan", "--side", "left", "--fast", "--yes", "--data", str(tmp_path)])
+
+    assert "everything is no longer known" in noted.output
+    assert isinstance(scan.exception, QualityError)
+    assert "lens exchanged or turned; calibrate the whole machine" in str(scan.exception)
+    assert not (tmp_path / "scans").exists()

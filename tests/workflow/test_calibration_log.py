@@ -11,10 +11,12 @@ from footscan.config import load_calibration
 from footscan.errors import InputError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.workflow.calibration_log import (
+    doubts,
     in_force_path,
     keep_in_force,
     log_event,
     log_path,
+    log_service,
     machines,
     note_scan,
     read_log,
@@ -99,3 +101,44 @@ def test_a_line_cut_by_a_power_failure_is_left_out_and_a_damaged_one_is_refused(
 def test_a_machine_name_that_is_a_path_is_refused(tmp_path: Path):
     with pytest.raises(InputError, match="file name"):
         log_event(tmp_path, "../m", "service", {})
+
+
+def test_a_renewed_part_is_valid_again_and_the_others_stay_invalid(tmp_path: Path, made: Calibration):
+    keep_in_force(tmp_path, made, {}, {})
+    log_service(tmp_path, "m-1", "right-laser", "")
+    log_service(tmp_path, "m-1", "footboard", "planed")
+    renewed = replace(made, latency_s=0.02)
+    keep_in_force(tmp_path, renewed, {}, {"renewed": "right-laser"})
+    open_ = doubts(renewed, read_log(tmp_path, "m-1"), _NOW)
+
+    assert [(doubt.blocking, "planed" in doubt.sentence) for doubt in open_] == [(True, True)]
+    keep_in_force(tmp_path, made, {}, {})
+    assert doubts(made, read_log(tmp_path, "m-1"), _NOW) == []
+
+
+def test_a_passed_check_clears_a_moved_machine_but_no_new_lens(tmp_path: Path, made: Calibration):
+    keep_in_force(tmp_path, made, {}, {})
+    log_service(tmp_path, "m-1", "moved", "")
+    log_service(tmp_path, "m-1", "lens", "")
+    before = doubts(made, read_log(tmp_path, "m-1"), _NOW)
+    log_event(tmp_path, "m-1", "recheck", {"holds": True})
+    after = doubts(made, read_log(tmp_path, "m-1"), _NOW)
+
+    assert sorted(doubt.blocking for doubt in before) == [False, True]
+    assert [doubt.blocking for doubt in after] == [True]
+
+
+def test_a_failed_check_blocks_until_one_passes(tmp_path: Path, made: Calibration):
+    keep_in_force(tmp_path, made, {}, {})
+    log_event(tmp_path, "m-1", "daily", {"holds": False, "broken": ["PS +0.5 mm"]})
+    failed = doubts(made, read_log(tmp_path, "m-1"), _NOW)
+    log_event(tmp_path, "m-1", "daily", {"holds": True})
+
+    assert [doubt.blocking for doubt in failed] == [True]
+    assert "PS +0.5 mm" in failed[0].sentence
+    assert doubts(made, read_log(tmp_path, "m-1"), _NOW) == []
+
+
+def test_an_intervention_at_an_unknown_part_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match="right-laser"):
+        log_service(tmp_path, "m-1", "cable", "")
