@@ -21,8 +21,8 @@ from footscan.optics.scanner import calibration_from_design
 
 MOST_UNEQUAL = 4e-4
 MOST_SCALED = 6e-4
-MOST_SAG_MM = 0.12
-MOST_KNOCK_PX = np.array([0.05, 0.2])
+MOST_SAG_MM = 0.15
+MOST_KNOCK_PX = np.array([0.07, 0.2])
 """Jump of the picture along the rows and the columns of the sensor; the second one hides behind the boards' height."""
 _SURE = 5.0
 _MOVED_MM = 0.15

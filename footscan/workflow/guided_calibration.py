@@ -1,4 +1,21 @@
-"""The guided calibration on a rig: a technician places the board; the software drives, looks, says what is missing."""
+"""The guided calibration on a rig: a technician places the board; the software drives, looks, says what is missing.
+
+Every face drives it the same way, from a thread of its own (the calls below wait for the machine):
+
+```
+guided = GuidedCalibration(session, folder, board, tell=show)   # show(snapshot): state, message, progress 0..1
+session.post_arm(...)  before each of the three calls that move the head
+guided.begin(notes)                  homes the head, opens the recording
+guided.record_empty()                the bare footboard
+report = guided.record_placement()   what was found, or report.why not; as often as needed
+guided.record_pass()                 past the last board, once
+error_mm, sentence = guided.expected_error_mm()   None while something is missing, which the sentence names
+guided.finish()                      then run_calibration(folder, ...), align_recording or recheck_recording
+guided.cancel()                      from any other thread: lasers and motor off, the waiting call raises DeviceError
+```
+
+What was recorded is kept whatever ends it. `PLACEMENTS` has the words for each placement, `ENOUGH_MM` when to stop.
+"""
 
 import time
 from collections.abc import Callable
@@ -169,6 +186,10 @@ class GuidedCalibration:
             if failure is not None:
                 raise failure
             time.sleep(_LOOK_S)
+
+    def cancel(self) -> None:
+        """Stop what is going on, from any thread: lasers and motor go off, the call that waits raises `DeviceError`."""
+        self.session.post_cancel("stopped by the technician")
 
     def _stops(self, setup: str) -> None:
         order = StopsOrder(setup, even_stops(self.stops))
