@@ -15,6 +15,7 @@ from footscan.cli.doctor import doctor
 from footscan.cli.drill import drill_app
 from footscan.cli.emulate import emulate
 from footscan.cli.info import info
+from footscan.cli.lasts import lasts_app
 from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
 from footscan.cli.process import process
@@ -52,6 +53,7 @@ app.add_typer(calibration_app, name="calibration")
 app.add_typer(drill_app, name="drill")
 app.add_typer(study_app, name="study")
 app.add_typer(patients_app, name="patients")
+app.add_typer(lasts_app, name="lasts")
 
 
 _UsageError = typer.BadParameter.__bases__[0]

@@ -22,6 +22,7 @@ from footscan.shoelast.family_data import (
     nominal_girths_mm,
     nominal_stick_mm,
 )
+from footscan.shoelast.family_index import is_current, stored_factors
 from footscan.shoelast.landmarks import MARK_SAMPLING, body_of, find_points
 from footscan.shoelast.levels import LevelCurves, level_curves, level_heights
 from footscan.shoelast.model import Shoelast
@@ -64,24 +65,38 @@ def build_shoelast(
     """
     member = FamilyMember(style, size_eu, fitting, pitch_mm, toe, side)
     check_member(member)
-    shoelast = with_points_and_lines(_solved(member))
+    shoelast = with_points_and_lines(_built(member))
     return replace(shoelast, attachments=(chuck_stub(shoelast),)) if stub else shoelast
 
 
-def _solved(member: FamilyMember) -> Shoelast:
-    """Quasi-Newton steps (Broyden) on both factors and the length, from plain scaling.
+def _built(member: FamilyMember) -> Shoelast:
+    """From the factors of the shipped index, if it was made from this very design; else solved."""
+    stored = stored_factors(member)
+    if stored is not None and is_current():
+        return shoelast_from_factors(member, np.array(stored))
+    return solve_member(member, np.ones(3) if stored is None else np.array(stored))[0]
+
+
+def solve_member(member: FamilyMember, start: Floats) -> tuple[Shoelast, Floats]:
+    """Quasi-Newton steps (Broyden) on both factors and the length.
 
     They run on a coarse mesh; what a fine one measures beyond it is added once, near the end.
+
+    Returns:
+        The last without points and lines, and its `(3,)` factors: ball, instep, length over the nominal stick length.
+
+    Raises:
+        QualityError: The girths of the table were not reached.
     """
     target, beyond = _targets(member), None
-    slope, unknown = _STEEPNESS * target[:, None], np.ones(len(target))
+    slope, unknown = _STEEPNESS * target[:, None], start
     shoelast, miss = _measured(member, unknown, target)
     for _ in range(_ROUNDS):
         if np.abs(miss).max() < _NEAR_MM and beyond is None:
             beyond = _values(shoelast, MARK_SAMPLING) - target - miss
             target, miss = target - beyond, miss + beyond
         if np.abs(miss).max() < TOLERANCE_MM:
-            return shoelast
+            return shoelast, unknown
         step = -np.linalg.solve(slope, miss)
         unknown = unknown + step
         shoelast, after = _measured(member, unknown, target)
@@ -114,8 +129,13 @@ def _forward(lift: Curve, length_mm: float) -> float:
     return float(np.interp(length_mm, along, forward))
 
 
+def shoelast_from_factors(member: FamilyMember, factors: Floats) -> Shoelast:
+    """The last of `(3,)` factors, without points and lines."""
+    return shoelast_from_design(member, build_design(member, factors[:2], factors[2] * nominal_stick_mm(member)))
+
+
 def _measured(member: FamilyMember, unknown: Floats, target: Floats) -> tuple[Shoelast, Floats]:
-    shoelast = shoelast_from_design(member, build_design(member, unknown[:2], unknown[2] * nominal_stick_mm(member)))
+    shoelast = shoelast_from_factors(member, unknown)
     return shoelast, _values(shoelast, _SOLVING) - target
 
 

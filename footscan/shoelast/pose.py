@@ -14,6 +14,8 @@ from footscan.shoelast.patches import ChordDisc
 from footscan.shoelast.skin import Sampling
 
 _ROUNDS, _SMALL_RAD = 6, 1e-5
+TREAD_SHARE, _TREAD_SPAN = 0.72, 0.03
+"""Where along the bottom a last stands, and over how much of it its slope is taken."""
 _COARSE = Sampling(128, 40, 2)
 
 
@@ -33,6 +35,31 @@ def settled(shoelast: Shoelast) -> Shoelast:
         if abs(yaw) < _SMALL_RAD:
             break
     return shoelast
+
+
+def levelled(shoelast: Shoelast) -> Shoelast:
+    """The last tipped about y until the middle of its bottom is level at the tread.
+
+    A mesh does not say at which pitch it stood; a last stands where its bottom is level under the ball.
+    """
+    for _ in range(_ROUNDS):
+        line = body_of(shoelast, _COARSE).centre_line
+        share = (line[:, 0] - line[0, 0]) / (line[-1, 0] - line[0, 0])
+        near = np.abs(share - TREAD_SHARE) < _TREAD_SPAN
+        middle = float(np.interp(TREAD_SHARE, share, line[:, 0]))
+        _, slope, _ = np.polyfit(line[near, 0] - middle, line[near, 2], 2)
+        angle = float(np.arctan(slope))
+        shoelast = settled(moved(shoelast, _about_y(angle)))
+        if abs(angle) < _SMALL_RAD:
+            break
+    return shoelast
+
+
+def _about_y(angle_rad: float) -> Floats:
+    turn = np.eye(4)
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    turn[[0, 0, 2, 2], [0, 2, 0, 2]] = [cosine, sine, -sine, cosine]
+    return turn
 
 
 def _about_z(angle_rad: float) -> Floats:

@@ -1,0 +1,8 @@
+"""`footscan lasts ...`: the library of shoelasts; each group of commands has a file of its own."""
+
+import typer
+
+from footscan.cli.lasts_library import add_library_commands
+
+lasts_app = typer.Typer(help="Shoelasts: library, matching, customising, export.", no_args_is_help=True)
+add_library_commands(lasts_app)

@@ -1,0 +1,192 @@
+"""Feather edge and cone edge of a mesh: the shortest closed lines along its sharpest edges, as minimal cuts.
+
+Faces that surely are bottom, cone top or upper are seeds. Between them the dual graph of the mesh is cut where it costs
+least: an edge costs its length, less the sharper it is. A clean sharp edge is followed exactly; where it is rounded the
+cut runs along the strongest bend.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components, maximum_flow
+
+from footscan.coordinates import Bools, Floats, Ints
+from footscan.errors import MeshError
+from footscan.shoelast.mesh_topology import Edges, edges_of, face_normals, loops
+
+SHARP_RAD = np.radians(40.0)
+_SOFT_RAD = np.radians(18.0)
+_CAPACITY = 2000.0
+_BOTTOM, _UPPER = 0.62, 0.25
+_CONE_BAND_MM = 6.0
+_FLAT_MM = 0.8
+_WIDEST_CONE_MM = 52.0
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Which faces are bottom, cone top and upper, and the edges between.
+
+    Attributes:
+        bottom: `(m,)`.
+        cone_top: `(m,)`.
+        feather_loop: Vertices in order, the upper on the left of the walk seen from outside.
+        cone_loop: The same, for the cone edge.
+        feather_turn_rad: `(k,)` how sharp the feather edge is, edge by edge.
+        cone_turn_rad: The same for the cone edge.
+    """
+
+    bottom: Bools
+    cone_top: Bools
+    feather_loop: Ints
+    cone_loop: Ints
+    feather_turn_rad: Floats
+    cone_turn_rad: Floats
+
+    @property
+    def upper(self) -> Bools:
+        """`(m,)` faces of the upper."""
+        return ~(self.bottom | self.cone_top)
+
+
+def find_regions(xyz: Floats, faces: Ints) -> Regions:
+    """Part a closed last in its rough frame.
+
+    Raises:
+        MeshError: No feather edge or no cone edge, as on a foot.
+    """
+    edges = edges_of(faces)
+    normal, area = face_normals(xyz, faces)
+    smooth = _smoothed(normal, area, edges)
+    turn = _turn(normal, xyz, faces, edges)
+    cost = _cost(xyz, edges, turn)
+    middle = xyz[faces].mean(axis=1)
+    cone_seed, rest_seed = _cone_seeds(smooth, area, middle, edges)
+    cone = _cut(edges, cost, cone_seed, rest_seed)
+    bottom_seed = _largest((-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5), area, edges)
+    bottom = _cut(edges, cost, bottom_seed, (-smooth[:, 2] < _UPPER) | cone)
+    feather, feather_turn = _border(edges, bottom, turn)
+    rim, cone_turn = _border(edges, cone, turn)
+    _check(xyz, feather, rim, feather_turn)
+    return Regions(bottom, cone, feather, rim, feather_turn, cone_turn)
+
+
+def _smoothed(normal: Floats, area: Floats, edges: Edges) -> Floats:
+    """Normals averaged with their neighbours' three times: enough to quieten noise, not to round an edge away."""
+    size = len(normal)
+    a, b = edges.faces[edges.faces[:, 1] >= 0].T
+    graph = coo_array((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(size, size)).tocsr()
+    weighted = normal * area[:, None]
+    for _ in range(3):
+        weighted = weighted + graph @ weighted
+    return weighted / np.maximum(np.linalg.norm(weighted, axis=1, keepdims=True), 1e-12)
+
+
+def _turn(normal: Floats, xyz: Floats, faces: Ints, edges: Edges) -> Floats:
+    """Angle by which the surface turns at each edge, positive where it is convex; 0 at a rim."""
+    a, b = edges.faces.T
+    inner = b >= 0
+    cosine = np.clip((normal[a] * normal[b]).sum(axis=1), -1.0, 1.0)
+    across = xyz[faces[b]].mean(axis=1) - xyz[faces[a]].mean(axis=1)
+    convex = (across * (normal[a] - normal[b])).sum(axis=1) < 0
+    return np.where(inner, np.arccos(cosine) * np.where(convex, 1.0, -1.0), 0.0)
+
+
+def _cost(xyz: Floats, edges: Edges, turn: Floats) -> Ints:
+    length = np.linalg.norm(xyz[edges.ends[:, 1]] - xyz[edges.ends[:, 0]], axis=1)
+    share = np.exp(-((np.maximum(turn, 0.0) / _SOFT_RAD) ** 2))
+    return np.maximum((_CAPACITY * length * (share + 0.002)).astype(np.int64), 1)
+
+
+def _cone_seeds(smooth: Floats, area: Floats, middle: Floats, edges: Edges) -> tuple[Bools, Bools]:
+    """Faces in the cone's plane, and faces that are surely not: well below it, or far in front."""
+    back = middle[:, 0] < middle[:, 0].min() + 0.62 * np.ptp(middle[:, 0])
+    flat = _largest((smooth[:, 2] > 0.93) & back & (middle[:, 2] > np.percentile(middle[:, 2], 70)), area, edges)
+    if not flat.any():
+        raise MeshError("no cone top found: the file holds no last, or its cone is cut off or open.")
+    normal, origin = _plane(middle[flat], area[flat])
+    away = np.abs((middle - origin) @ normal)
+    seed = flat & (away < _FLAT_MM)
+    if seed.sum() < 5:
+        raise MeshError("the cone top is not flat: the file holds no last, or a cut through the leg of a foot.")
+    below = (middle - origin) @ normal < -_CONE_BAND_MM
+    return _largest(seed, area, edges), below
+
+
+def _plane(xyz: Floats, weight: Floats) -> tuple[Floats, Floats]:
+    keep = np.ones(len(xyz), dtype=np.bool_)
+    normal, origin = np.array([0.0, 0.0, 1.0]), xyz.mean(axis=0)
+    for _ in range(4):
+        origin = np.average(xyz[keep], axis=0, weights=weight[keep])
+        spread = (xyz[keep] - origin) * np.sqrt(weight[keep])[:, None]
+        normal = np.linalg.eigh(spread.T @ spread)[1][:, 0]
+        away = np.abs((xyz - origin) @ normal)
+        keep = away <= max(float(np.percentile(away, 70)), 0.05)
+    return (normal if normal[2] > 0 else -normal), origin
+
+
+def _largest(chosen: Bools, area: Floats, edges: Edges) -> Bools:
+    """The largest piece of some faces."""
+    inner = edges.faces[:, 1] >= 0
+    a, b = edges.faces[inner].T
+    both = chosen[a] & chosen[b]
+    size = len(chosen)
+    graph = coo_array((np.ones(int(both.sum()), np.bool_), (a[both], b[both])), shape=(size, size))
+    count, label = connected_components(graph, directed=False)
+    total = np.bincount(label, weights=area * chosen, minlength=count)
+    return (label == total.argmax()) & chosen
+
+
+def _cut(edges: Edges, cost: Ints, inside: Bools, outside: Bools) -> Bools:
+    """The faces on the inner side of the cheapest cut between two sets of faces."""
+    outside = outside & ~inside
+    inner = edges.faces[:, 1] >= 0
+    node = np.full(len(inside), -1, dtype=np.int64)
+    free = ~(inside | outside)
+    node[free] = np.arange(int(free.sum())) + 2
+    node[inside], node[outside] = 0, 1
+    a, b = node[edges.faces[inner, 0]], node[edges.faces[inner, 1]]
+    keep = (a != b) & ~((a < 2) & (b < 2))
+    size, weight = int(free.sum()) + 2, cost[inner][keep]
+    rows, columns = np.r_[a[keep], b[keep]], np.r_[b[keep], a[keep]]
+    graph = coo_array((np.r_[weight, weight], (rows, columns)), shape=(size, size)).tocsr()
+    graph = csr_array((np.minimum(graph.data, 2**30).astype(np.int32), graph.indices, graph.indptr), shape=graph.shape)
+    flow = maximum_flow(graph, 0, 1, method="dinic").flow
+    left = (graph - flow).tocoo()
+    usable = left.data > 0
+    reach = csr_array((np.ones(int(usable.sum()), np.int8), (left.row[usable], left.col[usable])), shape=graph.shape)
+    return _reached(reach)[np.maximum(node, 0)] & (node != 1)
+
+
+def _reached(graph: csr_array) -> Bools:
+    found = np.zeros(graph.shape[0], dtype=np.bool_)
+    found[breadth_first_order(graph, 0, return_predecessors=False)] = True
+    return found
+
+
+def _border(edges: Edges, region: Bools, turn: Floats) -> tuple[Ints, Floats]:
+    """The longest closed line round a region as vertices, the region on the right, and how sharp its edges are."""
+    first = region[edges.faces[:, 0]]
+    second = np.where(edges.faces[:, 1] >= 0, region[edges.faces[:, 1]], first)
+    at = first != second
+    ends = np.where(first[at][:, None], edges.ends[at][:, ::-1], edges.ends[at])
+    found = loops(ends)
+    if not found:
+        raise MeshError("no closed edge between upper and bottom or cone top: the file holds no last.")
+    return found[0], np.abs(turn[at])
+
+
+def _check(xyz: Floats, feather: Ints, rim: Ints, feather_turn: Floats) -> None:
+    cone = np.ptp(xyz[rim], axis=0)
+    if cone[1] > _WIDEST_CONE_MM:
+        raise MeshError(
+            f"the flat top is {cone[1]:.0f} mm wide; a last's cone top has at most {_WIDEST_CONE_MM:.0f} mm: "
+            "this looks like a foot cut off above the ankle, not like a last (`footscan measure` reads feet)."
+        )
+    length = np.ptp(xyz[feather], axis=0)
+    if length[0] < 0.8 * np.ptp(xyz[:, 0]) or np.degrees(np.median(feather_turn)) < 15.0:
+        raise MeshError(
+            f"no feather edge: the line between upper and bottom is {length[0]:.0f} mm long and bends by "
+            f"{np.degrees(np.median(feather_turn)):.0f} degrees; the file holds a foot, or a last without its sole edge."
+        )

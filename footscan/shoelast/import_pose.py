@@ -1,0 +1,212 @@
+"""Roughly upright: which way a last points, from its shape alone; and its chuck stub and toe centre cut off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from footscan.coordinates import Floats, Ints, Side
+from footscan.errors import MeshError
+from footscan.foot.sections import cut_shell
+from footscan.foot.shell import Shell
+from footscan.foot.units import UNITS, mm_from_unit
+from footscan.shoelast.mesh_topology import face_normals, pieces
+from footscan.shoelast.model import Attachment
+
+LENGTH_MM = (140.0, 400.0)
+_USUAL_MM = (200.0, 345.0)
+_STUB_MM = (8.0, 40.0)
+"""A stub reaches at least and at most this far behind the heel (real ones 16-23)."""
+_STUB_WIDTH_MM = 20.0
+_CENTRE_MM, _CENTRE_WIDTH_MM = (2.5, 15.0), 13.0
+_X = np.array([1.0, 0.0, 0.0])
+
+
+def check_length(extent_mm: float, unit: str) -> None:
+    """Refuse a body that is no last's size, naming the unit it probably is in.
+
+    Raises:
+        MeshError: Outside `LENGTH_MM`.
+    """
+    if LENGTH_MM[0] <= extent_mm <= LENGTH_MM[1]:
+        return
+    number = extent_mm / mm_from_unit(unit)
+    fitting = [one for one in UNITS if _USUAL_MM[0] <= number * mm_from_unit(one) <= _USUAL_MM[1]]
+    advice = f"it is probably in {fitting[0]}: pass --unit {fitting[0]}" if fitting else "check that it is one last"
+    raise MeshError(
+        f"the longest extent is {number:.4g} {unit}, a last has {LENGTH_MM[0]:.0f} to {LENGTH_MM[1]:.0f} mm; {advice}."
+    )
+
+
+def likely_unit(extent: float) -> str:
+    """Words on the unit in which a bare number would be the length of a last."""
+    fitting = [one for one in UNITS if _USUAL_MM[0] <= extent * mm_from_unit(one) <= _USUAL_MM[1]]
+    return f"by its size ({extent:.4g} long) probably --unit {fitting[0]}" if fitting else "its size fits no last"
+
+
+def rough_frame(xyz: Floats, faces: Ints, side: Side) -> Floats:
+    """A 4x4 that lays a last roughly upright with its toe along +x and y medial.
+
+    The long axis comes from the moments of the skin; down is where, around that axis, most skin looks to (the bottom);
+    the heel is the end that is higher.
+
+    Args:
+        xyz: `(n, 3)` mm, any heading.
+        faces: `(m, 3)` outward.
+        side: As said; a left last is mirrored.
+    """
+    normal, area = face_normals(xyz, faces)
+    middle = xyz[faces].mean(axis=1)
+    centre = np.average(middle, axis=0, weights=area)
+    spread = (middle - centre) * np.sqrt(area)[:, None]
+    long = np.linalg.eigh(spread.T @ spread)[1][:, -1]
+    down = _down(normal, area, long)
+    across = np.cross(-down, long)
+    frame = np.eye(4)
+    frame[:3, :3] = np.stack([long, across, -down])
+    if _heel_in_front(xyz @ frame[:3, :3].T):
+        frame[:2] *= -1.0
+    if side == "left":
+        frame[1] *= -1.0
+    frame[:3, 3] = -(xyz @ frame[:3, :3].T).min(axis=0)
+    return frame
+
+
+def _down(normal: Floats, area: Floats, long: Floats) -> Floats:
+    first = np.cross(long, [1.0, 0.0, 0.0] if abs(long[0]) < 0.9 else [0.0, 1.0, 0.0])
+    first /= np.linalg.norm(first)
+    second = np.cross(long, first)
+    a, b = normal @ first, normal @ second
+    weight, angle = area * np.hypot(a, b) ** 4, np.arctan2(b, a)
+    count = np.histogram(angle, 360, (-np.pi, np.pi), weights=weight)[0]
+    kernel = np.exp(-0.5 * (np.arange(-30, 31) / 9.0) ** 2)
+    smooth = np.convolve(np.concatenate([count[-30:], count, count[:30]]), kernel, "valid")
+    best = np.radians(smooth.argmax() + 0.5) - np.pi
+    return np.cos(best) * first + np.sin(best) * second
+
+
+def _heel_in_front(xyz: Floats) -> bool:
+    """Whether the end at +x is the higher one: the cone is over the heel."""
+    x = (xyz[:, 0] - xyz[:, 0].min()) / np.ptp(xyz[:, 0])
+    back, front = (np.ptp(xyz[(x > low) & (x < high), 2]) for low, high in ((0.08, 0.3), (0.7, 0.92)))
+    return bool(front > back)
+
+
+@dataclass(frozen=True)
+class Trimmed:
+    """A last without what is no part of it, in the rough frame; `remarks` say what went."""
+
+    xyz: Floats
+    faces: Ints
+    attachments: tuple[Attachment, ...]
+    remarks: tuple[str, ...]
+
+
+def without_attachments(xyz: Floats, faces: Ints, bodies: tuple[trimesh.Trimesh, ...]) -> Trimmed:
+    """Cut off stub and toe centre where they are grown on, and name separate bodies.
+
+    Args:
+        xyz: `(n, 3)` in the rough frame.
+        faces: `(m, 3)` outward.
+        bodies: Other bodies, in the rough frame.
+    """
+    parts: list[Attachment] = []
+    remarks: list[str] = []
+    for kind, where, reach, width in (
+        ("stub", "behind the heel", _STUB_MM, _STUB_WIDTH_MM),
+        ("toe_centre", "at the toe", _CENTRE_MM, _CENTRE_WIDTH_MM),
+    ):
+        sign = 1.0 if kind == "stub" else -1.0
+        found = _knob(xyz, faces, sign, reach, width)
+        if found is None:
+            continue
+        part, faces, length_mm, width_mm = found
+        parts.append(Attachment(kind, trimesh.Trimesh(xyz, part, process=True)))
+        remarks.append(
+            f"a {kind.replace('_', ' ')} {where}, {width_mm:.0f} mm wide and {length_mm:.0f} mm long, was cut off and "
+            "kept apart; the skin under it is bridged"
+        )
+    middle = float(xyz[:, 0].min() + 0.5 * np.ptp(xyz[:, 0]))
+    for body in bodies:
+        kind = "stub" if float(np.asarray(body.vertices)[:, 0].mean()) < middle else "toe_centre"
+        parts.append(Attachment(kind, body))
+        remarks.append(f"a separate body of {len(body.faces)} faces was kept apart as {kind.replace('_', ' ')}")
+    return Trimmed(xyz, faces, tuple(parts), tuple(remarks))
+
+
+def _knob(
+    xyz: Floats, faces: Ints, sign: float, reach: tuple[float, float], widest_mm: float
+) -> tuple[Ints, Ints, float, float] | None:
+    """Faces of a narrow knob at an end, the other faces, and its length and width (mm); None without one."""
+    depth = sign * xyz[:, 0] - (sign * xyz[:, 0]).min()
+    shell = Shell(np.column_stack([depth, xyz[:, 1:]]), faces)
+    steps = np.arange(0.5, reach[1] + 2.0, 0.5)
+    cuts = [cut_shell(shell, step * _X, _X).xyz.reshape(-1, 3) for step in steps]
+    wide = np.array([np.ptp(cut[:, 1]) if len(cut) else 0.0 for cut in cuts])
+    high = np.array([np.ptp(cut[:, 2]) if len(cut) else 0.0 for cut in cuts])
+    least = int(reach[0] / 0.5)
+    if wide[least] > widest_mm or high[least] > 3.0 * widest_mm:
+        return None
+    usual = float(np.median(wide[1:least])), float(np.median(high[1:least]))
+    beyond = np.flatnonzero((wide[least:] > 1.35 * usual[0] + 1.0) | (high[least:] > 1.35 * usual[1] + 1.0))
+    if len(beyond) == 0:
+        return None
+    length = float(steps[least + beyond[0]]) - 0.25
+    inside = cuts[max(least // 2, 1)]
+    low, top = inside.min(axis=0) - 0.8, inside.max(axis=0) + 0.8
+    within = ((shell.xyz[:, 1:] > low[1:]) & (shell.xyz[:, 1:] < top[1:])).all(axis=1) & (depth < length + 12.0)
+    gone = within[faces].any(axis=1)
+    count, label = pieces(faces[~gone])
+    area = np.bincount(label, weights=face_normals(xyz, faces[~gone])[1], minlength=count)
+    keep = np.flatnonzero(~gone)[label == area.argmax()]
+    rest = np.ones(len(faces), dtype=np.bool_)
+    rest[keep] = False
+    return faces[rest], faces[keep], length, usual[0]
+
+
+def check_whole(xyz: Floats, faces: Ints, rims: list[Floats]) -> tuple[str, ...]:
+    """Refuse half lasts and lasts without a sole; words on the holes that are bridged.
+
+    Args:
+        xyz: `(n, 3)` in the rough frame.
+        faces: `(m, 3)`.
+        rims: `(k, 3)` of every hole.
+
+    Raises:
+        MeshError: What is missing.
+    """
+    extent = np.ptp(xyz, axis=0)
+    for rim in rims:
+        size = np.ptp(rim, axis=0)
+        if size[0] > 0.6 * extent[0] and size[2] < 0.75 * extent[2]:
+            raise MeshError("the sole is missing: the last is open below; export it with its bottom.")
+        if max(size[1], size[2]) > 0.6 * max(extent[1], extent[2]) or size[0] > 0.6 * extent[0]:
+            raise MeshError(
+                f"part of the last is missing: an opening of {size.max():.0f} mm; export the whole last."
+            )
+    _check_flat_end(xyz, faces, extent)
+    ratio = extent[0] / extent[1]
+    if not 2.2 < ratio < 4.6:
+        raise MeshError(
+            f"length over width is {ratio:.1f}, a last has 2.3 to 4.4: half a last, two lasts, or another body."
+        )
+    if not rims:
+        return ()
+    around = [float(np.linalg.norm(np.diff(rim, axis=0, append=rim[:1]), axis=1).sum()) for rim in rims]
+    return (f"{len(rims)} holes (the largest {max(around):.0f} mm round) were bridged",)
+
+
+def _check_flat_end(xyz: Floats, faces: Ints, extent: Floats) -> None:
+    """A large flat face that stands upright is where a last was sawn through."""
+    normal, area = face_normals(xyz, faces)
+    upright = np.abs(normal[:, 2]) < 0.3
+    normal, area, middle = normal[upright], area[upright], xyz[faces[upright]].mean(axis=1)
+    angle = np.degrees(np.arctan2(normal[:, 1], normal[:, 0])) % 360.0
+    bins = np.histogram(angle, 120, (0.0, 360.0), weights=area)[0]
+    best = 3.0 * (int((bins + np.roll(bins, -1)).argmax()) + 1)
+    near = np.abs((angle - best + 180.0) % 360.0 - 180.0) < 3.0
+    offset = middle[near] @ np.average(normal[near], axis=0, weights=area[near])
+    flat = np.histogram(offset, max(int(np.ptp(offset) / 0.4), 1), weights=area[near])[0]
+    if flat.max() > 0.2 * extent[1] * extent[2]:
+        way = "lengthwise" if abs(np.sin(np.radians(best))) > 0.7 else "across"
+        raise MeshError(f"the last is cut off {way}: it has a flat upright face; export the whole last.")

@@ -1,0 +1,108 @@
+"""Edges, neighbours, windings and rims of triangle meshes, as arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from footscan.coordinates import Floats, Ints
+from footscan.foot.crossing import chain_segments
+from footscan.shoelast.winding_loop import spread_turns
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Undirected edges of a mesh with at most two faces each.
+
+    Attributes:
+        ends: `(k, 2)` vertices, as the first face runs along them.
+        faces: `(k, 2)` faces; the second is -1 at a rim.
+    """
+
+    ends: Ints
+    faces: Ints
+
+
+def edge_names(faces: Ints) -> tuple[Ints, Ints]:
+    """Directed edges `(3m, 2)`, face after face, and the number `(3m,)` of the undirected edge each runs along."""
+    ends = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    _, name = np.unique(low * (int(faces.max()) + 1) + high, return_inverse=True)
+    return ends, name.reshape(-1)
+
+
+def edges_of(faces: Ints) -> Edges:
+    """All edges; of one with more than two faces only two are told."""
+    ends, name = edge_names(faces)
+    order = np.argsort(name, kind="stable")
+    first = np.concatenate([[True], name[order][1:] != name[order][:-1]])
+    begin = np.flatnonzero(first)
+    count = np.diff(np.append(begin, len(order)))
+    second = np.where(count > 1, order[np.minimum(begin + 1, len(order) - 1)] // 3, -1)
+    return Edges(ends[order[begin]], np.stack([order[begin] // 3, second], axis=1))
+
+
+def welded(xyz: Floats, faces: Ints, distance_mm: float) -> tuple[Floats, Ints]:
+    """Join vertices nearer than a distance; faces that lose a corner go."""
+    _, first, place = np.unique(np.round(xyz / (0.5 * distance_mm)).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    xyz, faces = xyz[first], place.reshape(-1)[faces]
+    pairs = cKDTree(xyz).query_pairs(distance_mm, output_type="ndarray")
+    if len(pairs):
+        size = len(xyz)
+        graph = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+        count, label = connected_components(graph, directed=False)
+        total = np.stack([np.bincount(label, weights=xyz[:, k], minlength=count) for k in range(3)], axis=1)
+        xyz, faces = total / np.bincount(label, minlength=count)[:, None], label[faces].astype(np.int64)
+    whole = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    return xyz, faces[whole]
+
+
+def pieces(faces: Ints) -> tuple[int, Ints]:
+    """How many pieces hang together over edges, and the piece of every face `(m,)`."""
+    edges = edges_of(faces)
+    inner = edges.faces[edges.faces[:, 1] >= 0]
+    size = len(faces)
+    graph = coo_array((np.ones(len(inner), np.bool_), (inner[:, 0], inner[:, 1])), shape=(size, size))
+    count, label = connected_components(graph, directed=False)
+    return int(count), label.astype(np.int64)
+
+
+def consistent(faces: Ints) -> tuple[Ints, int]:
+    """Faces turned like their neighbours, piece by piece, and how many were turned."""
+    ends, name = edge_names(faces)
+    order = np.argsort(name, kind="stable")
+    same = name[order][1:] == name[order][:-1]
+    a, b = order[:-1][same], order[1:][same]
+    against = ends[a, 0] == ends[b, 0]
+    pair, sign = np.stack([a // 3, b // 3], axis=1), against
+    both = np.concatenate([pair, pair[:, ::-1]])
+    rank = np.argsort(both[:, 0], kind="stable")
+    begin = np.searchsorted(both[rank, 0], np.arange(len(faces) + 1))
+    turned = spread_turns(begin, both[rank, 1], np.concatenate([sign, sign])[rank])
+    return np.ascontiguousarray(np.where(turned[:, None], faces[:, ::-1], faces)), int(turned.sum())
+
+
+def rims(faces: Ints) -> list[Ints]:
+    """Closed rims as vertices in order, the hole on the right of the walk, the longest first."""
+    edges = edges_of(faces)
+    rim = np.ascontiguousarray(edges.ends[edges.faces[:, 1] < 0][:, ::-1])
+    return loops(rim)
+
+
+def loops(ends: Ints) -> list[Ints]:
+    """Chains of directed edges `(k, 2)` as vertices in order, the longest first."""
+    if len(ends) == 0:
+        return []
+    order, begins = chain_segments(np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]))
+    found = [ends[order[a:b], 0] for a, b in zip(begins[:-1], begins[1:], strict=True)]
+    return sorted(found, key=len, reverse=True)
+
+
+def face_normals(xyz: Floats, faces: Ints) -> tuple[Floats, Floats]:
+    """Unit normals `(m, 3)` and areas `(m,)`; of a face without area the normal is zero."""
+    a, b, c = (xyz[faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    size = np.linalg.norm(cross, axis=1)
+    return cross / np.maximum(size, 1e-12)[:, None], 0.5 * size
