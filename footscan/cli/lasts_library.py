@@ -42,6 +42,7 @@ def add_command(
     size: Annotated[float | None, typer.Option(help="Paris points, if known.")] = None,
     fitting: Annotated[str, typer.Option(help="Width, as the maker writes it.")] = "",
     style: Annotated[str, typer.Option(help="men, women, therapeutic or a word of your own.")] = "",
+    pitch: Annotated[float | None, typer.Option(help="Heel height in mm; default: level under the ball.")] = None,
     replaces: Annotated[str | None, typer.Option(help="Id of a kept last that this is a newer version of.")] = None,
     data: DataOption = None,
     json_only: JsonOption = False,
@@ -49,7 +50,9 @@ def add_command(
     """Import a last into the library: repaired, laid into its frame, measured; what was changed is listed."""
     library = opened_library(data)
     with progress_bar("importing", quiet=json_only):
-        shoelast = import_last(place, side=side, unit=unit, name=name, size_eu=size, fitting=fitting, style=style)
+        shoelast = import_last(
+            place, side=side, unit=unit, name=name, size_eu=size, fitting=fitting, style=style, pitch_mm=pitch
+        )
         entry = library.add(shoelast, str(place.resolve()), replaces)
     if json_only:
         print_json(entry_json(entry))

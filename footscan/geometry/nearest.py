@@ -20,3 +20,7 @@ class PointTree:
         distance, index = self._tree.query(queries, k=count, distance_upper_bound=reach, workers=-1)
         shape = (len(queries), count)
         return np.asarray(distance, dtype=np.float64).reshape(shape), np.asarray(index, np.int64).reshape(shape)
+
+    def pairs(self, reach: float) -> Ints:
+        """Pairs `(k, 2)` of points nearer to one another than `reach`."""
+        return np.asarray(self._tree.query_pairs(reach, output_type="ndarray"), np.int64).reshape(-1, 2)

@@ -41,7 +41,7 @@ def grade(shoelast: Shoelast, size_eu: float | None = None, widths: float = 0.0)
         QualityError: The girths were not reached.
     """
     sizes = _sizes(shoelast, size_eu)
-    if not 0.0 < abs(sizes) + abs(widths):
+    if not abs(sizes) + abs(widths) > 0.0:
         raise InputError(f"{shoelast.name} is EU {shoelast.size_eu:g} already; name another size or --widths.")
     if abs(sizes) > _MOST_SIZES or abs(widths) > _MOST_WIDTHS:
         raise InputError(
@@ -84,16 +84,16 @@ def _solved(shoelast: Shoelast, sizes: float, widths: float) -> Shoelast:
         [sizes * steps["per_size_mm"][name] + widths * steps["per_fitting_mm"][name] for name in GIRTHS]
     )
     along = 1.0 + sizes * family_data()["paris_point_mm"] / stick
-    factors = wanted / before
+    factors, miss = wanted / before, np.inf
     for _ in range(_ROUNDS):
         graded = settled(_stretched(shoelast, along, factors))
         found, _ = _values(graded)
-        if np.abs(found - wanted).max() < TOLERANCE_MM:
+        miss = float(np.abs(found - wanted).max())
+        if miss < TOLERANCE_MM:
             return graded
         factors = factors * wanted / found
     raise QualityError(
-        f"{shoelast.name}: graded girths miss by {np.abs(found - wanted).max():.2f} mm, at most {TOLERANCE_MM} mm; "
-        "grade in smaller steps."
+        f"{shoelast.name}: graded girths miss by {miss:.2f} mm, at most {TOLERANCE_MM} mm; grade in smaller steps."
     )
 
 

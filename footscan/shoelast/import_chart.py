@@ -1,8 +1,8 @@
 """Parameters of the vertices of an upper: a harmonic map with positive weights, so one to one.
 
-The upper is a ring: v is 0 at the feather edge and 1 at the cone edge, u runs round from the heel along the medial side.
-u jumps by one turn somewhere; edges know how many turns they cross from the angle about an upright axis through the
-cone, which meets bottom and cone top only. Both follow from one sparse factorisation.
+The upper is a ring: v is 0 at the feather edge and 1 at the cone edge, u runs round from the heel along the medial
+side. u jumps by one turn somewhere; edges know how many turns they cross from the angle about an upright axis through
+the cone, which meets bottom and cone top only. Both follow from one sparse factorisation.
 """
 
 from dataclasses import dataclass
@@ -26,20 +26,28 @@ class Chart:
 
 
 def loop_shares(xyz: Floats, heel: int, toe: int) -> Floats:
-    """u `(k,)` of a closed line's vertices: by length from `heel` (0) to `toe` (1/2) and on to 1.
+    """Shares u `(k,)` of a closed line's vertices, 0 at `heel`, 1/2 at `toe`, equal at equal x on both halves.
 
     Args:
-        xyz: `(k, 3)` in order of growing u.
+        xyz: `(k, 3)` in order of growing u; x grows from heel to toe on both halves, or nearly so.
         heel: Where u is 0.
         toe: Where u is 1/2.
     """
     count = len(xyz)
     turned = np.roll(xyz, -heel, axis=0)
-    walked = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(turned, axis=0, append=turned[:1]), axis=1))])
     half = (toe - heel) % count
-    first = 0.5 * walked[:half] / walked[half]
-    second = 0.5 + 0.5 * (walked[half:-1] - walked[half]) / (walked[-1] - walked[half])
-    return np.roll(np.concatenate([first, second]), heel)
+    share = (turned[:, 0] - turned[0, 0]) / (turned[half, 0] - turned[0, 0])
+    u = np.arccos(np.clip(1.0 - 2.0 * share, -1.0, 1.0)) / (2.0 * np.pi)
+    out = _rising(u[: half + 1])[:-1]
+    back = _rising(np.append(u[half:], 0.0)[::-1])[::-1][:-1]
+    return np.roll(np.concatenate([out, np.mod(1.0 - back, 1.0)]), heel)
+
+
+def _rising(values: Floats) -> Floats:
+    """Values made strictly to rise from the first to the last, moved as little as a running maximum does."""
+    ends, small = (values[0], values[-1]), 1e-7 * np.arange(len(values))
+    risen = np.maximum.accumulate(values) + small
+    return ends[0] + (risen - risen[0]) * (ends[1] - ends[0]) / (risen[-1] - risen[0])
 
 
 def chart_upper(xyz: Floats, faces: Ints, feather: Ints, feather_u: Floats, cone: Ints, cone_u: Floats) -> Chart:
@@ -65,7 +73,9 @@ def chart_upper(xyz: Floats, faces: Ints, feather: Ints, feather_u: Floats, cone
     return Chart(vertex, np.mod(solved[:, 0], 1.0), np.clip(solved[:, 1], 0.0, 1.0))
 
 
-def _edges_fixed(vertex: Ints, feather: Ints, feather_u: Floats, cone: Ints, cone_u: Floats) -> tuple[Bools, Floats, Floats]:
+def _edges_fixed(
+    vertex: Ints, feather: Ints, feather_u: Floats, cone: Ints, cone_u: Floats
+) -> tuple[Bools, Floats, Floats]:
     fixed, u, v = np.zeros(len(vertex), np.bool_), np.zeros(len(vertex)), np.zeros(len(vertex))
     for loop, share, level in ((feather, feather_u, 0.0), (cone, cone_u, 1.0)):
         at = np.searchsorted(vertex, loop)
@@ -103,5 +113,3 @@ def _harmonic(size: int, ends: Ints, weight: Floats, fixed: Bools, value: Floats
     solved = value.copy()
     solved[free] = splu(inner.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(known)
     return solved
-
-

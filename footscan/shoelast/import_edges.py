@@ -22,6 +22,7 @@ _BOTTOM, _UPPER = 0.62, 0.25
 _CONE_BAND_MM = 6.0
 _FLAT_MM = 0.8
 _WIDEST_CONE_MM = 52.0
+_SMOOTHED, _ERODED = 3, 5
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ def find_regions(xyz: Floats, faces: Ints) -> Regions:
     middle = xyz[faces].mean(axis=1)
     cone_seed, rest_seed = _cone_seeds(smooth, area, middle, edges)
     cone = _cut(edges, cost, cone_seed, rest_seed)
-    bottom_seed = _largest((-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5), area, edges)
-    bottom = _cut(edges, cost, bottom_seed, (-smooth[:, 2] < _UPPER) | cone)
+    bottom_seed = _largest(_eroded((-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5), edges), area, edges)
+    bottom = _cut(edges, cost, bottom_seed, _eroded(-smooth[:, 2] < _UPPER, edges) | cone)
     feather, feather_turn = _border(edges, bottom, turn)
     rim, cone_turn = _border(edges, cone, turn)
     _check(xyz, feather, rim, feather_turn)
@@ -73,12 +74,12 @@ def find_regions(xyz: Floats, faces: Ints) -> Regions:
 
 
 def _smoothed(normal: Floats, area: Floats, edges: Edges) -> Floats:
-    """Normals averaged with their neighbours' three times: enough to quieten noise, not to round an edge away."""
+    """Normals averaged with their neighbours' a few times: enough to quieten noise, not to round an edge away."""
     size = len(normal)
     a, b = edges.faces[edges.faces[:, 1] >= 0].T
     graph = coo_array((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(size, size)).tocsr()
     weighted = normal * area[:, None]
-    for _ in range(3):
+    for _ in range(_SMOOTHED):
         weighted = weighted + graph @ weighted
     return weighted / np.maximum(np.linalg.norm(weighted, axis=1, keepdims=True), 1e-12)
 
@@ -107,7 +108,7 @@ def _cone_seeds(smooth: Floats, area: Floats, middle: Floats, edges: Edges) -> t
         raise MeshError("no cone top found: the file holds no last, or its cone is cut off or open.")
     normal, origin = _plane(middle[flat], area[flat])
     away = np.abs((middle - origin) @ normal)
-    seed = flat & (away < _FLAT_MM)
+    seed = _eroded(flat & (away < _FLAT_MM), edges)
     if seed.sum() < 5:
         raise MeshError("the cone top is not flat: the file holds no last, or a cut through the leg of a foot.")
     below = (middle - origin) @ normal < -_CONE_BAND_MM
@@ -124,6 +125,17 @@ def _plane(xyz: Floats, weight: Floats) -> tuple[Floats, Floats]:
         away = np.abs((xyz - origin) @ normal)
         keep = away <= max(float(np.percentile(away, 70)), 0.05)
     return (normal if normal[2] > 0 else -normal), origin
+
+
+def _eroded(chosen: Bools, edges: Edges) -> Bools:
+    """Some faces without those that are near to others: smoothed normals are mixed across an edge."""
+    a, b = edges.faces[edges.faces[:, 1] >= 0].T
+    for _ in range(_ERODED):
+        chosen = chosen.copy()
+        split = chosen[a] != chosen[b]
+        chosen[a[split]] = False
+        chosen[b[split]] = False
+    return chosen
 
 
 def _largest(chosen: Bools, area: Floats, edges: Edges) -> Bools:
@@ -156,11 +168,12 @@ def _cut(edges: Edges, cost: Ints, inside: Bools, outside: Bools) -> Bools:
     left = (graph - flow).tocoo()
     usable = left.data > 0
     reach = csr_array((np.ones(int(usable.sum()), np.int8), (left.row[usable], left.col[usable])), shape=graph.shape)
-    return _reached(reach)[np.maximum(node, 0)] & (node != 1)
+    return _reached(reach, size)[np.maximum(node, 0)] & (node != 1)
 
 
-def _reached(graph: csr_array) -> Bools:
-    found = np.zeros(graph.shape[0], dtype=np.bool_)
+def _reached(graph: csr_array, size: int) -> Bools:
+    """Nodes that node 0 leads to."""
+    found = np.zeros(size, dtype=np.bool_)
     found[breadth_first_order(graph, 0, return_predecessors=False)] = True
     return found
 
@@ -188,5 +201,5 @@ def _check(xyz: Floats, feather: Ints, rim: Ints, feather_turn: Floats) -> None:
     if length[0] < 0.8 * np.ptp(xyz[:, 0]) or np.degrees(np.median(feather_turn)) < 15.0:
         raise MeshError(
             f"no feather edge: the line between upper and bottom is {length[0]:.0f} mm long and bends by "
-            f"{np.degrees(np.median(feather_turn)):.0f} degrees; the file holds a foot, or a last without its sole edge."
+            f"{np.degrees(np.median(feather_turn)):.0f} degrees; a foot, or a last without its sole edge."
         )

@@ -1,4 +1,4 @@
-"""NURBS patches through a parted mesh: the upper by least squares on its chart, bottom and cone top over their chords."""
+"""NURBS patches through a parted mesh: the upper by least squares on its chart, the discs over their chords."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ from footscan.foot.nurbs_fit import bases_at, distance_mm, fit_tube, nearer_para
 from footscan.shoelast.import_chart import Chart
 from footscan.shoelast.patches import LATERAL, MEDIAL, ChordDisc, ruled_disc
 
-COUNT_U, COUNT_V = 160, 64
+COUNT_U, COUNT_V = 128, 48
 _COARSE_U, _COARSE_V = 48, 24
 _EDGE_WEIGHT = 30.0
 _EDGE_STEP_MM = 0.5
 _STIFF, _STIFF_COARSE = 2e-3, 5e-2
-_ROUNDS = 3
-_DISC_BREAKS = 15
+_ROUNDS = 1
+_DISC_BREAKS = 11
 _DISC_STIFF = 1e-3
 
 
@@ -121,7 +121,9 @@ def fit_disc(xyz: Floats, row_mm: Floats, tube: SplineTube, level: float) -> Fit
     s, t = _chord_parameters(xyz, tube, level)
     along, across = bases_at(s, ruled.knots_s), bases_at(t, ruled.knots_t)
     count_s, count_t = ruled.net_mm.shape[:2]
-    columns = (along.first[:, None] + np.arange(4))[:, :, None] * count_t + (across.first[:, None] + np.arange(4))[:, None]
+    columns = (along.first[:, None] + np.arange(4))[:, :, None] * count_t + (across.first[:, None] + np.arange(4))[
+        :, None
+    ]
     values = along.value[:, :, None] * across.value[:, None, :]
     rows = np.repeat(np.arange(len(s)), 16)
     design = csr_array((values.reshape(-1), (rows, columns.reshape(-1))), shape=(len(s), count_s * count_t))
@@ -151,12 +153,11 @@ def _chord_parameters(xyz: Floats, tube: SplineTube, level: float) -> tuple[Floa
     lateral, medial = (
         tube.grid(half[0] + (half[1] - half[0]) * share, np.array([level]))[0, :, :2] for half in (LATERAL, MEDIAL)
     )
-    low, high = np.zeros(len(xyz)), np.ones(len(xyz))
+    s, step = np.full(len(xyz), 0.5), 0.25
     for _ in range(30):
-        s = 0.5 * (low + high)
         a, b = _at(share, lateral, s), _at(share, medial, s)
         front = (b[:, 0] - a[:, 0]) * (xyz[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (xyz[:, 0] - a[:, 0]) < 0
-        low, high = np.where(front, s, low), np.where(front, high, s)
+        s, step = s + np.where(front, step, -step), 0.5 * step
     a, b = _at(share, lateral, s), _at(share, medial, s)
     chord = b - a
     along = ((xyz[:, :2] - a) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-9)

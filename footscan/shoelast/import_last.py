@@ -3,15 +3,22 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from footscan.coordinates import Bools, Floats, Ints, Side
 from footscan.errors import MeshError, QualityError
+from footscan.geometry.nearest import PointTree
 from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.import_chart import chart_upper, loop_shares
 from footscan.shoelast.import_edges import SHARP_RAD, Regions, find_regions
 from footscan.shoelast.import_fit import EdgeLine, FittedUpper, fit_disc, fit_upper
-from footscan.shoelast.import_pose import check_length, check_whole, rough_frame, without_attachments
+from footscan.shoelast.import_pose import (
+    check_length,
+    check_whole,
+    heading_of,
+    rough_frame,
+    turned_attachments,
+    without_attachments,
+)
 from footscan.shoelast.import_repair import RepairedLast, repair_last, without_holes
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.pose import levelled, settled
@@ -21,6 +28,7 @@ FIT_LIMIT_MM, EDGE_LIMIT_MM = 0.05, 0.15
 """What an import is meant to reach (RMS); what it did reach is in the remarks, and far beyond it is refused."""
 _REFUSED_MM = 0.5
 _STRAIGHT_MM = 4.0
+_EDGE_SAMPLES = 60000
 
 
 @dataclass(frozen=True)
@@ -32,7 +40,9 @@ class ImportFit:
     largest_mm: float
 
 
-def shoelast_from_mesh(source: LastSource, side: Side, name: str, unit: str = "mm") -> tuple[Shoelast, ImportFit]:
+def shoelast_from_mesh(
+    source: LastSource, side: Side, name: str, unit: str = "mm", pitch_mm: float | None = None
+) -> tuple[Shoelast, ImportFit]:
     """Import a last.
 
     Args:
@@ -40,6 +50,7 @@ def shoelast_from_mesh(source: LastSource, side: Side, name: str, unit: str = "m
         side: As said; the shape must not speak against it.
         name: For people.
         unit: Of the file, for messages.
+        pitch_mm: Heel height at which the last stands; None levels its bottom under the ball.
 
     Returns:
         The last with points, lines, attachments and remarks, and how well it fits.
@@ -59,9 +70,11 @@ def shoelast_from_mesh(source: LastSource, side: Side, name: str, unit: str = "m
     measured = np.ones(len(closed), dtype=np.bool_)
     measured[len(closed) - len(rims) :] = False
     regions = find_regions(closed, faces)
+    turn = heading_of(closed[regions.feather_loop])
+    closed = closed @ turn[:3, :3].T
     shoelast, fit = _fitted(closed, faces, measured, regions)
-    shoelast = replace(shoelast, name=name, side=side, attachments=trimmed.attachments)
-    shoelast = levelled(settled(shoelast))
+    shoelast = replace(shoelast, name=name, side=side, attachments=turned_attachments(trimmed.attachments, turn))
+    shoelast = levelled(settled(shoelast), pitch_mm)
     shoelast = with_points_and_lines(shoelast)
     _check_side(shoelast, side)
     remarks = (*source.remarks, *repaired.remarks, *trimmed.remarks, *words, *_edge_words(regions), _fit_words(fit))
@@ -114,8 +127,8 @@ def _from_heel(xyz: Floats, loop: Ints) -> tuple[Ints, EdgeLine]:
 
 def _goodness(upper: FittedUpper, feather: EdgeLine, bottom: Floats, top: Floats) -> ImportFit:
     dense = feather.dense()
-    line = upper.tube.grid(np.arange(4096) / 4096, np.array([0.0]))[0]
-    edge = cKDTree(line).query(dense.xyz)[0]
+    line = upper.tube.grid(np.arange(_EDGE_SAMPLES) / _EDGE_SAMPLES, np.array([0.0]))[0]
+    edge = PointTree(line).nearest(dense.xyz, 1)[0]
     every = np.concatenate([upper.deviation_mm, bottom, top])
     return ImportFit(_rms(every), _rms(edge), float(np.abs(every).max()))
 

@@ -10,6 +10,7 @@ from footscan.errors import MeshError
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell
 from footscan.foot.units import UNITS, mm_from_unit
+from footscan.shoelast.design import SEAT_SHARE
 from footscan.shoelast.mesh_topology import face_normals, pieces
 from footscan.shoelast.model import Attachment
 
@@ -19,6 +20,10 @@ _STUB_MM = (8.0, 40.0)
 """A stub reaches at least and at most this far behind the heel (real ones 16-23)."""
 _STUB_WIDTH_MM = 20.0
 _CENTRE_MM, _CENTRE_WIDTH_MM = (2.5, 15.0), 13.0
+_LARGE_SHARE, _HALF_DEPTH_MM = 0.6, 62.0
+_BASE_MM = 1.0
+"""The last bit of a knob is left out of its outline: it may widen into the last there."""
+_BALL_SHARE = 0.66
 _X = np.array([1.0, 0.0, 0.0])
 
 
@@ -152,7 +157,7 @@ def _knob(
     if len(beyond) == 0:
         return None
     length = float(steps[least + beyond[0]]) - 0.25
-    inside = cuts[max(least // 2, 1)]
+    inside = np.vstack([cut for cut, step in zip(cuts, steps, strict=True) if step < length - _BASE_MM])
     low, top = inside.min(axis=0) - 0.8, inside.max(axis=0) + 0.8
     within = ((shell.xyz[:, 1:] > low[1:]) & (shell.xyz[:, 1:] < top[1:])).all(axis=1) & (depth < length + 12.0)
     gone = within[faces].any(axis=1)
@@ -178,12 +183,11 @@ def check_whole(xyz: Floats, faces: Ints, rims: list[Floats]) -> tuple[str, ...]
     extent = np.ptp(xyz, axis=0)
     for rim in rims:
         size = np.ptp(rim, axis=0)
-        if size[0] > 0.6 * extent[0] and size[2] < 0.75 * extent[2]:
+        if size.max() < _LARGE_SHARE * extent[1]:
+            continue
+        if size[0] > 0.6 * extent[0] and _depth_mm(xyz, rim) > _HALF_DEPTH_MM:
             raise MeshError("the sole is missing: the last is open below; export it with its bottom.")
-        if max(size[1], size[2]) > 0.6 * max(extent[1], extent[2]) or size[0] > 0.6 * extent[0]:
-            raise MeshError(
-                f"part of the last is missing: an opening of {size.max():.0f} mm; export the whole last."
-            )
+        raise MeshError(f"part of the last is missing: an opening of {size.max():.0f} mm; export the whole last.")
     _check_flat_end(xyz, faces, extent)
     ratio = extent[0] / extent[1]
     if not 2.2 < ratio < 4.6:
@@ -194,6 +198,12 @@ def check_whole(xyz: Floats, faces: Ints, rims: list[Floats]) -> tuple[str, ...]
         return ()
     around = [float(np.linalg.norm(np.diff(rim, axis=0, append=rim[:1]), axis=1).sum()) for rim in rims]
     return (f"{len(rims)} holes (the largest {max(around):.0f} mm round) were bridged",)
+
+
+def _depth_mm(xyz: Floats, rim: Floats) -> float:
+    """How far the body reaches from the plane of a rim."""
+    normal = np.linalg.svd(rim - rim.mean(axis=0), full_matrices=False)[2][2]
+    return float(np.ptp((xyz - rim.mean(axis=0)) @ normal))
 
 
 def _check_flat_end(xyz: Floats, faces: Ints, extent: Floats) -> None:
@@ -210,3 +220,26 @@ def _check_flat_end(xyz: Floats, faces: Ints, extent: Floats) -> None:
     if flat.max() > 0.2 * extent[1] * extent[2]:
         way = "lengthwise" if abs(np.sin(np.radians(best))) > 0.7 else "across"
         raise MeshError(f"the last is cut off {way}: it has a flat upright face; export the whole last.")
+
+
+def heading_of(xyz_edge: Floats) -> Floats:
+    """A 4x4 that turns a last about z so that the axis of its feather edge `(k, 3)` points along x."""
+    turn = np.eye(4)
+    for _ in range(4):
+        places = xyz_edge @ turn[:3, :3].T
+        x = (places[:, 0] - places[:, 0].min()) / np.ptp(places[:, 0])
+        middles = []
+        for share in (SEAT_SHARE, _BALL_SHARE):
+            near = places[np.abs(x - share) < 0.03]
+            middles.append([near[:, 0].mean(), 0.5 * (near[:, 1].min() + near[:, 1].max())])
+        along = np.subtract(middles[1], middles[0])
+        angle = -float(np.arctan2(along[1], along[0]))
+        step = np.eye(4)
+        step[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        turn = step @ turn
+    return turn
+
+
+def turned_attachments(parts: tuple[Attachment, ...], turn: Floats) -> tuple[Attachment, ...]:
+    """Attachments under a 4x4."""
+    return tuple(Attachment(part.kind, part.mesh.copy().apply_transform(turn)) for part in parts)

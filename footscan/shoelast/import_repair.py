@@ -40,7 +40,8 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
     """
     remarks: list[str] = []
     xyz, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
-    faces = faces[np.isfinite(xyz).all(axis=1)[faces].all(axis=1)]
+    finite = np.logical_and.reduce(np.isfinite(xyz), axis=1)
+    faces = faces[finite[faces].all(axis=1)]
     if len(faces) < 500:
         raise MeshError(f"{len(faces)} triangles are no digitised last, which has thousands; export it finer.")
     before = pieces(faces)[0]
@@ -123,8 +124,6 @@ def without_holes(xyz: Floats, faces: Ints) -> tuple[Floats, Ints, list[Floats]]
     """Close every rim by a fan; also the rims `(k, 3)`. The vertices of the fans are the last ones, one per rim."""
     found = rims(faces)
     middles = [xyz[rim].mean(axis=0) for rim in found]
-    fans = [
-        np.stack([rim, np.roll(rim, -1), np.full(len(rim), len(xyz) + k)], axis=1) for k, rim in enumerate(found)
-    ]
+    fans = [np.stack([rim, np.roll(rim, -1), np.full(len(rim), len(xyz) + k)], axis=1) for k, rim in enumerate(found)]
     closed = np.vstack([xyz, *[middle[None] for middle in middles]])
     return closed, np.ascontiguousarray(np.vstack([faces, *fans])), [xyz[rim] for rim in found]

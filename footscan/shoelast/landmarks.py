@@ -18,12 +18,12 @@ from footscan.shoelast.design import SEAT_SHARE
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.skin import BOTTOM, UPPER, LastSkin, Sampling, skin_of
 
-MEDIAL_BAND, LATERAL_BAND = (0.62, 0.82), (0.50, 0.72)
+MEDIAL_BAND, LATERAL_BAND = (0.62, 0.75), (0.50, 0.70)
 """Shares of the stick length within which the widest places of the ball lie (a foot's MTH1 and MTH5: 73 and 62 %)."""
 INSTEP_SHARE = 0.676
 """The instep point over the heel-to-ball length: 50 % of a foot's length, where its ball lies at 74 %."""
 TREAD_BAND = (0.5, 0.85)
-_STEPS, _FIT_SHARE = 170, 0.036
+_STEPS, _NEAR_SHARE = 170, 6e-4
 MARK_SAMPLING = Sampling(256, 96, 24)
 
 
@@ -99,8 +99,8 @@ POINTS = {
     "toe_feather_point": "foremost place of the feather edge",
     "seat_point": "middle of the bottom at 16 % of the stick length",
     "tread_point": "lowest place of the bottom's middle between 50 and 85 % of the stick length",
-    "ball_medial": "most medial place of the upper at 62-82 % of the stick length",
-    "ball_lateral": "most lateral place of the upper at 50-72 % of the stick length",
+    "ball_medial": "most medial place of the upper at 62-75 % of the stick length",
+    "ball_lateral": "most lateral place of the upper at 50-70 % of the stick length",
     "instep_point": "top of the cut across the axis at 67.6 % of the heel-to-ball length",
     "waist_point": "top of the cut by the waist plane",
     "cone_front": "foremost place of the cone edge",
@@ -114,17 +114,16 @@ def find_ball(body: Body) -> tuple[Floats, Floats]:
 
 
 def _widest(body: Body, band: tuple[float, float], sign: float) -> Floats:
-    """The crest of a parabola through the outline about its widest place in a band, with the height of the wall."""
+    """The middle of where the outline is widest in a band, places weighted by how near they come to the widest.
+
+    The weights make it move smoothly with the shape, also where the outline is nearly straight.
+    """
     x, reach = body.reach
     y = sign * reach[:, 1 if sign > 0 else 0]
     share = (x - body.back_mm) / body.stick_mm
-    inside = np.flatnonzero((share > band[0]) & (share < band[1]))
-    at = x[inside[y[inside].argmax()]]
-    reach_mm = _FIT_SHARE * body.stick_mm
-    near = np.abs(x - at) <= reach_mm
-    bend, slope, _ = np.polyfit(x[near] - at, y[near], 2)
-    at += float(np.clip(-slope / (2.0 * bend), -reach_mm, reach_mm)) if bend < 0 else 0.0
-    at = float(np.clip(at, body.back_mm + band[0] * body.stick_mm, body.back_mm + band[1] * body.stick_mm))
+    inside = (share > band[0]) & (share < band[1])
+    weight = np.exp((y[inside] - y[inside].max()) / (_NEAR_SHARE * body.stick_mm))
+    at = float((x[inside] * weight).sum() / weight.sum())
     cut = cut_shell(body.shell, np.array([at, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])).xyz.reshape(-1, 3)
     return np.array([at, *cut[(sign * cut[:, 1]).argmax()][1:]])
 

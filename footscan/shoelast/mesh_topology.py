@@ -1,14 +1,15 @@
 """Edges, neighbours, windings and rims of triangle meshes, as arrays."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from footscan.coordinates import Floats, Ints
 from footscan.foot.crossing import chain_segments
+from footscan.geometry.nearest import PointTree
 from footscan.shoelast.winding_loop import spread_turns
 
 
@@ -46,9 +47,11 @@ def edges_of(faces: Ints) -> Edges:
 
 def welded(xyz: Floats, faces: Ints, distance_mm: float) -> tuple[Floats, Ints]:
     """Join vertices nearer than a distance; faces that lose a corner go."""
-    _, first, place = np.unique(np.round(xyz / (0.5 * distance_mm)).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    _, first, place = np.unique(
+        np.round(xyz / (0.5 * distance_mm)).astype(np.int64), axis=0, return_index=True, return_inverse=True
+    )
     xyz, faces = xyz[first], place.reshape(-1)[faces]
-    pairs = cKDTree(xyz).query_pairs(distance_mm, output_type="ndarray")
+    pairs = PointTree(xyz).pairs(distance_mm)
     if len(pairs):
         size = len(xyz)
         graph = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
@@ -96,7 +99,7 @@ def loops(ends: Ints) -> list[Ints]:
     if len(ends) == 0:
         return []
     order, begins = chain_segments(np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]))
-    found = [ends[order[a:b], 0] for a, b in zip(begins[:-1], begins[1:], strict=True)]
+    found = [ends[order[a:b], 0] for a, b in itertools.pairwise(begins)]
     return sorted(found, key=len, reverse=True)
 
 

@@ -8,13 +8,14 @@ import trimesh
 
 from footscan.coordinates import Floats
 from footscan.foot.nurbs import SplineTube
-from footscan.shoelast.landmarks import axis_yaw_rad, body_of, lowest_bottom_mm
+from footscan.shoelast.design import SEAT_SHARE
+from footscan.shoelast.landmarks import TREAD_BAND, axis_yaw_rad, body_of, lowest_bottom_mm
 from footscan.shoelast.model import Attachment, Shoelast
 from footscan.shoelast.patches import ChordDisc
 from footscan.shoelast.skin import Sampling
 
 _ROUNDS, _SMALL_RAD = 6, 1e-5
-TREAD_SHARE, _TREAD_SPAN = 0.72, 0.03
+TREAD_SHARE, _TREAD_SPAN = 0.665, 0.03
 """Where along the bottom a last stands, and over how much of it its slope is taken."""
 _COARSE = Sampling(128, 40, 2)
 
@@ -37,22 +38,36 @@ def settled(shoelast: Shoelast) -> Shoelast:
     return shoelast
 
 
-def levelled(shoelast: Shoelast) -> Shoelast:
-    """The last tipped about y until the middle of its bottom is level at the tread.
+def levelled(shoelast: Shoelast, pitch_mm: float | None = None) -> Shoelast:
+    """The last tipped about y until it stands at a pitch, or until its bottom is level at the tread.
 
-    A mesh does not say at which pitch it stood; a last stands where its bottom is level under the ball.
+    A mesh does not say at which pitch it stood: unless somebody says it, a last stands where the middle of its bottom
+    is level at `TREAD_SHARE` of its length.
     """
-    for _ in range(_ROUNDS):
+    for _ in range(2 * _ROUNDS):
         line = body_of(shoelast, _COARSE).centre_line
-        share = (line[:, 0] - line[0, 0]) / (line[-1, 0] - line[0, 0])
-        near = np.abs(share - TREAD_SHARE) < _TREAD_SPAN
-        middle = float(np.interp(TREAD_SHARE, share, line[:, 0]))
-        _, slope, _ = np.polyfit(line[near, 0] - middle, line[near, 2], 2)
-        angle = float(np.arctan(slope))
+        angle = _slope_at_tread(line) if pitch_mm is None else _pitch_error(line, pitch_mm)
         shoelast = settled(moved(shoelast, _about_y(angle)))
         if abs(angle) < _SMALL_RAD:
             break
     return shoelast
+
+
+def _slope_at_tread(line: Floats) -> float:
+    share = (line[:, 0] - line[0, 0]) / (line[-1, 0] - line[0, 0])
+    near = np.abs(share - TREAD_SHARE) < _TREAD_SPAN
+    middle = float(np.interp(TREAD_SHARE, share, line[:, 0]))
+    return float(np.arctan(np.polyfit(line[near, 0] - middle, line[near, 2], 2)[1]))
+
+
+def _pitch_error(line: Floats, pitch_mm: float) -> float:
+    """Angle (rad) that lowers the seat to the wanted pitch."""
+    share = (line[:, 0] - line[0, 0]) / (line[-1, 0] - line[0, 0])
+    seat = float(np.interp(SEAT_SHARE, share, line[:, 2]))
+    front = (share > TREAD_BAND[0]) & (share < TREAD_BAND[1])
+    tread = int(np.flatnonzero(front)[line[front, 2].argmin()])
+    away = float(line[tread, 0] - np.interp(SEAT_SHARE, share, line[:, 0]))
+    return float(np.arctan2(pitch_mm - (seat - line[tread, 2]), away))
 
 
 def _about_y(angle_rad: float) -> Floats:

@@ -1,7 +1,8 @@
 """Lasts as digitisers leave them, made from built-in ones, so that the truth is known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import manifold3d
 import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
@@ -14,7 +15,7 @@ from footscan.shoelast.skin import Sampling, skin_of
 class Wear:
     """What is done to the mesh. Lengths in mm."""
 
-    sampling: Sampling = Sampling(300, 150, 50)
+    sampling: Sampling = field(default_factory=lambda: Sampling(300, 150, 50))
     noise: float = 0.0
     fragments: int = 0
     crumbs: int = 0
@@ -38,7 +39,7 @@ def digitise(shoelast: Shoelast, wear: Wear) -> trimesh.Trimesh:
         xyz, faces = _with_knobs(xyz, faces, shoelast, wear)
     xyz = xyz + rng.normal(0.0, wear.noise, xyz.shape) if wear.noise else xyz
     if shoelast.side == "left":
-        xyz, faces = xyz * [1, -1, 1], faces[:, ::-1]
+        xyz, faces = xyz * np.array([1, -1, 1]), faces[:, ::-1]
     faces = _holed(xyz, faces, wear.holes, rng)
     faces = faces[:, ::-1] if wear.inverted else faces
     if wear.flipped:
@@ -61,7 +62,6 @@ def _shaken(xyz, faces, wear, rng):
 
 
 def _with_knobs(xyz, faces, shoelast, wear):
-    import manifold3d
 
     def solid(mesh):
         return manifold3d.Manifold(
@@ -72,14 +72,14 @@ def _with_knobs(xyz, faces, shoelast, wear):
     if wear.stub:
         back = shoelast.upper.grid(np.array([0.0]), np.linspace(0, 1, 51))[22, 0]
         box = trimesh.creation.box(extents=[25.0, 14.0, 24.0])
-        box.apply_translation(back + [-19.0 + 12.5, 0.0, 0.0])
+        box.apply_translation(back + np.array([-19.0 + 12.5, 0.0, 0.0]))
         body += solid(box.subdivide().subdivide().subdivide())
     if wear.toe_centre:
         front = shoelast.upper.grid(np.array([0.5]), np.linspace(0, 1, 101))[:, 0]
         at = front[front[:, 0].argmax()]
         pin = trimesh.creation.cylinder(radius=4.0, height=12.0, sections=48)
         pin.apply_transform(trimesh.geometry.align_vectors([0, 0, 1], [1, 0, 0]))
-        pin.apply_translation(at + [2.0, 0, 0])
+        pin.apply_translation(at + np.array([2.0, 0.0, 0.0]))
         body += solid(pin)
     mesh = body.to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)

@@ -28,7 +28,7 @@ def test_its_girths_are_the_tables(shoelast: Shoelast):
     found = dimensions(shoelast)
     table = nominal_girths_mm(shoelast.style, shoelast.size_eu or 0.0, shoelast.fitting)
 
-    assert {name: found[name].value for name in GIRTHS} == pytest.approx(table, abs=0.06)
+    assert {name: found[name].value for name in GIRTHS} == pytest.approx(table, abs=0.1)
 
 
 def test_it_stands_at_its_pitch_with_its_toe_up(shoelast: Shoelast):

@@ -1,0 +1,156 @@
+"""Digitised lasts are repaired, laid into the frame and fitted; what is no whole last is refused in one sentence."""
+
+import manifold3d
+import numpy as np
+import pytest
+import trimesh
+
+from footscan.errors import MeshError
+from footscan.shoelast.dimensions import dimensions
+from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.import_last import ImportFit, shoelast_from_mesh
+from footscan.shoelast.import_pose import likely_unit
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.skin import Sampling
+from footscan.shoelast.source import LastSource
+from tests.shoelast.digitised import Wear, digitise
+
+COARSE = Sampling(200, 80, 30)
+WORN = Wear(
+    Sampling(300, 110, 40),
+    noise=0.01,
+    fragments=60,
+    crumbs=20,
+    holes=6,
+    flipped=0.3,
+    inverted=True,
+    fins=5,
+    stub=True,
+    turn=True,
+)
+
+
+def imported(mesh: trimesh.Trimesh, side: str = "right", **more) -> tuple[Shoelast, ImportFit]:
+    return shoelast_from_mesh(LastSource(mesh), side, "an import", **more)
+
+
+def sawn(mesh: trimesh.Trimesh, normal: list, origin: list, cap: bool) -> trimesh.Trimesh:
+    """What lies on the normal's side of a plane, closed there or open."""
+    whole = manifold3d.Manifold(
+        manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(mesh.faces, dtype=np.uint64))
+    )
+    left = whole.trim_by_plane(normal, float(np.dot(normal, origin))).to_mesh64()
+    half = trimesh.Trimesh(np.asarray(left.vert_properties)[:, :3], np.asarray(left.tri_verts), process=False)
+    on_plane = np.abs((half.vertices - origin) @ np.array(normal)) < 1e-6
+    faces = half.faces if cap else half.faces[~on_plane[half.faces].all(axis=1)]
+    return trimesh.Trimesh(half.vertices, faces, process=False)
+
+
+@pytest.fixture(scope="module")
+def truth() -> Shoelast:
+    return build_shoelast("men", 42, "g", 12, "round", "left")
+
+
+@pytest.fixture(scope="module")
+def worn(truth: Shoelast) -> tuple[Shoelast, ImportFit]:
+    return imported(digitise(truth, WORN), "left", pitch_mm=dimensions(truth)["pitch"].value)
+
+
+def test_a_worn_last_is_fitted_as_well_as_it_was_digitised(worn: tuple[Shoelast, ImportFit]):
+    assert worn[1].rms_mm <= 0.05
+    assert worn[1].edge_rms_mm <= 0.15
+    assert worn[1].largest_mm <= 0.2
+
+
+def test_its_dimensions_are_those_of_the_last_without_the_stub(truth: Shoelast, worn: tuple[Shoelast, ImportFit]):
+    before, after = dimensions(truth), dimensions(worn[0])
+
+    for name in (
+        "stick_length",
+        "bottom_length",
+        "ball_length",
+        "ball_girth",
+        "ball_width",
+        "heel_width",
+        "cone_length",
+    ):
+        assert after[name].value == pytest.approx(before[name].value, abs=0.5), name
+    for name in ("waist_girth", "instep_girth", "long_heel_girth", "toe_box_height", "toe_spring", "cone_height"):
+        assert after[name].value == pytest.approx(before[name].value, abs=0.8), name
+
+
+def test_the_stub_is_kept_apart_behind_the_heel(worn: tuple[Shoelast, ImportFit]):
+    (stub,) = worn[0].attachments
+
+    assert stub.kind == "stub"
+    assert stub.mesh.bounds[0][0] == pytest.approx(-19.0, abs=1.0)
+    assert np.ptp(stub.mesh.vertices[stub.mesh.vertices[:, 0] < -8.0, 1]) == pytest.approx(14.0, abs=1.0)
+
+
+def test_everything_that_was_changed_is_told(worn: tuple[Shoelast, ImportFit]):
+    told = " | ".join(worn[0].remarks)
+
+    for words in ("fragments", "crumbs", "turned round", "outwards", "stub", "bridged", "feather edge", "RMS"):
+        assert words in told, words
+
+
+def test_a_toe_centre_becomes_a_body_of_its_own():
+    truth = build_shoelast("therapeutic", 40, "h", 15, "wide")
+    found, _ = imported(digitise(truth, Wear(COARSE, toe_centre=True, turn=True, seed=3)))
+
+    assert [part.kind for part in found.attachments] == ["toe_centre"]
+    assert dimensions(found)["stick_length"].value == pytest.approx(dimensions(truth)["stick_length"].value, abs=0.6)
+
+
+@pytest.mark.parametrize(("scale", "words"), [(10.0, "--unit cm"), (25.4, "--unit in"), (1000.0, "--unit m")])
+def test_a_wrong_unit_is_named(truth: Shoelast, scale: float, words: str):
+    with pytest.raises(MeshError, match=words):
+        imported(digitise(truth, Wear(COARSE, scale=scale)))
+
+
+def test_a_bare_number_suggests_its_unit():
+    assert "--unit in" in likely_unit(11.3)
+    assert "no last" in likely_unit(70000.0)
+
+
+def test_a_left_last_is_not_taken_for_a_right_one(truth: Shoelast):
+    with pytest.raises(MeshError, match="shape is that of a left one"):
+        imported(digitise(truth, Wear(COARSE, turn=True)), "right")
+
+
+@pytest.mark.parametrize(
+    ("normal", "origin", "words"),
+    [
+        ([-1, 0, 0], [180, 0, 0], "cut off across|part of the last|length over width"),
+        ([0, 1, 0], [0, 0, 0], "cut off lengthwise|part of the last|length over width"),
+    ],
+)
+@pytest.mark.parametrize("cap", [True, False])
+def test_half_a_last_is_refused(truth: Shoelast, normal: list, origin: list, words: str, cap: bool):
+    half = sawn(digitise(truth, Wear(COARSE)), normal, origin, cap)
+
+    with pytest.raises(MeshError, match=words):
+        imported(half, "left")
+
+
+def test_a_last_without_its_sole_is_refused(truth: Shoelast):
+    mesh = digitise(truth, Wear(COARSE))
+    bottom = (mesh.face_normals[:, 2] < -0.8) & (mesh.triangles_center[:, 2] < 20)
+
+    with pytest.raises(MeshError, match="sole is missing"):
+        imported(trimesh.Trimesh(mesh.vertices, mesh.faces[~bottom], process=False), "left")
+
+
+def test_two_lasts_in_one_file_are_refused(truth: Shoelast):
+    mesh = digitise(truth, Wear(COARSE))
+    other = mesh.copy().apply_translation([0, 150, 0])
+
+    with pytest.raises(MeshError, match="one last at a time"):
+        imported(trimesh.util.concatenate([mesh, other]), "left")
+
+
+def test_another_body_is_refused():
+    ball = trimesh.creation.icosphere(5, 120.0)
+
+    with pytest.raises(MeshError):
+        imported(ball)
