@@ -150,6 +150,66 @@ def refined(shoelast: Shoelast, times_round: int, extra_v: Floats) -> Shoelast:
     return replace(shoelast, upper=SplineTube(net, knots_v), bottom=bottom, cone_top=top)
 
 
+@dataclass(frozen=True)
+class Coarse:
+    """A coarser net whose fields are fields of the chart's net.
+
+    Attributes:
+        spread: Sparse `(n_v * n_u, m_v * m_u)`: the chart's coefficients from the coarse ones.
+        shape: (m_v, m_u).
+        edge: `(n_v,)` the chart's rows that the coarse row of the feather edge consists of.
+    """
+
+    spread: Sparse
+    shape: tuple[int, int]
+    edge: Floats
+
+
+def coarse_space(tube: SplineTube, longest_mm: float) -> Coarse:
+    """Leave out every other knot, both ways and repeatedly, while spans stay shorter than a length."""
+    around, up = np.eye(tube.count_u), np.eye(len(tube.knots_v) - DEGREE - 1)
+    breaks = tube.knots_v[DEGREE:-DEGREE]
+    grid = tube.grid(np.arange(tube.count_u) / tube.count_u, breaks)
+    span_u = np.linalg.norm(np.roll(grid, -1, axis=1) - grid, axis=2).mean(axis=1).max()
+    while 2.0 * span_u < longest_mm and len(around.T) % 2 == 0:
+        around, span_u = around @ _subdivision(len(around.T) // 2), 2.0 * span_u
+    lengths = np.percentile(np.linalg.norm(np.diff(grid, axis=0), axis=2), 90, axis=1)
+    kept = _thinned(breaks, lengths, longest_mm)
+    if len(kept) < len(breaks):
+        knots = np.concatenate([tube.knots_v[:DEGREE], kept, tube.knots_v[-DEGREE:]])
+        places = greville(tube.knots_v)
+        fine = BSpline.design_matrix(places, tube.knots_v, DEGREE).toarray()
+        up = np.linalg.solve(fine, BSpline.design_matrix(places, knots, DEGREE).toarray())
+        up[np.abs(up) < _ROUNDING] = 0.0
+    spread = sparse.kron(sparse.csr_matrix(up), sparse.csr_matrix(around), format="csc")
+    return Coarse(spread, (up.shape[1], around.shape[1]), up[:, 0].copy())
+
+
+_ROUNDING = 1e-12
+
+
+def _subdivision(count: int) -> Floats:
+    """`(2 * count, count)`: a periodic cubic spline on twice as many columns; column i acts most at (i - 1) / count."""
+    result = np.zeros((2 * count, count))
+    column = np.arange(count)
+    for shift, share in ((-1, 0.125), (0, 0.75), (1, 0.125)):
+        result[(2 * column - 1) % (2 * count), (column + shift) % count] += share
+    for shift in (0, 1):
+        result[2 * column, (column + shift) % count] += 0.5
+    return result
+
+
+def _thinned(breaks: Floats, lengths: Floats, longest_mm: float) -> Floats:
+    """Breaks without those that join two spans into one that is still short enough."""
+    kept, run = [0], 0.0
+    for k in range(1, len(breaks) - 1):
+        run += lengths[k - 1]
+        if run + lengths[k] > longest_mm:
+            kept.append(k)
+            run = 0.0
+    return breaks[[*kept, len(breaks) - 1]]
+
+
 def _refined_disc(disc: ChordDisc, count_u: int) -> ChordDisc:
     knots = half_knots(count_u)
     places = greville(knots)

@@ -43,7 +43,8 @@ def find_held(before: Shoelast, after: Shoelast, dims: Dims, widening_mm: float)
     bottom = None if moved else HELD_MM
     held = {name: Held(*dims[name][:2], HELD_MM, "mm") for name in ("pitch", "toe_spring")}
     held["toe_box_height"] = Held(*dims["toe_box_height"][:2], None, "mm")
-    held["tread_point"] = Held(0.0, _apart(before.points["tread_point"], after.points["tread_point"]), HELD_MM, "mm")
+    for name in ("tread_point", "seat_point"):
+        held[f"{name}_x"] = Held(float(before.points[name][0]), float(after.points[name][0]), HELD_MM, "mm")
     v = np.linspace(0.0, 1.0, 200)
     held["back_curve"] = Held(0.0, _most_apart(before.upper.grid(_ZERO, v), after.upper.grid(_ZERO, v)), HELD_MM, "mm")
     u = np.arange(_STEPS) / _STEPS
@@ -72,10 +73,6 @@ def _slopes(before: Shoelast, after: Shoelast) -> dict[str, Held]:
         angles = [float(np.degrees(np.arctan2(e[1, 2] - e[0, 2], e[1, 0] - e[0, 0]))) for e in ends]
         found[name] = Held(angles[0], angles[1], HELD_DEG, "deg")
     return found
-
-
-def _apart(a: Floats, b: Floats) -> float:
-    return float(np.linalg.norm(a - b))
 
 
 def _most_apart(a: Floats, b: Floats) -> float:

@@ -13,7 +13,7 @@ from footscan.foot.nurbs_fit import evaluate_at
 from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.change_region import find_free
-from footscan.shoelast.chart import Chart, Sparse, bending_matrix, build_chart, greville_places, refined
+from footscan.shoelast.chart import Chart, Sparse, bending_matrix, build_chart, coarse_space, greville_places, refined
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.custom_report import find_dimensions, find_held, find_smoothness, find_unmet
 from footscan.shoelast.dimensions import with_points_and_lines
@@ -43,9 +43,12 @@ _EVERY = 4
 _ASKS_MM, _LEAST_LOSS_MM, _LOSS_SLACK = 0.01, 0.1, 1.2
 _SAFE_MM, _ENOUGH_MM = 0.02, 0.03
 """Room beyond the least that is asked of the smooth surface, for the facets of the mesh; what a round leaves alone."""
-_HOLD_MM, _CELL_MM = 6.0, 1.5
-"""Over about this length holding wins against stiffness; size of a cell."""
+_HOLD_MM, _CLOSE_SHARE = 6.0, 0.6
+"""Over about this length holding wins against stiffness; and over this share of the transition length the surface
+leaves the foot for the sake of smoothness (the d^2 beside l^4 |Hessian|^2 of the functional)."""
 _CELLS = 2
+_SPAN_SHARE = 0.6
+"""Spans of the displacement's own net are at most this share of the transition length."""
 _LEAST_SAY, _LEAST_SHARE = 0.05, 0.05
 
 
@@ -113,7 +116,7 @@ def _fine_enough(shoelast: Shoelast, transition_mm: float) -> Shoelast:
     grid = tube.grid(np.arange(2 * tube.count_u) / (2 * tube.count_u), breaks)
     around = np.linalg.norm(np.diff(grid, axis=1), axis=2).sum(axis=1).max() / tube.count_u
     times = 1
-    while around / times > 0.6 * transition_mm:
+    while around / times > _SPAN_SHARE * transition_mm:
         times *= 2
     up = np.linalg.norm(np.diff(grid, axis=0), axis=2).max(axis=1)
     long = up > 0.9 * transition_mm
@@ -153,8 +156,9 @@ class _Task:
         check_not_everywhere(self.shoelast, signed)
         need = worst_per_cell(need, room, self.chart)
         asking, pull = self._asking(need)
+        widening = find_widening(self.chart, need, self.profile.most_overhang_mm)
+        asking = np.vstack([asking, widening.places])
         free = find_free(self.chart, asking, self.settings.transition_mm)
-        widening = find_widening(self.chart, need, free[1], self.profile.most_overhang_mm)
         unknowns = self._unknowns(free, widening, need, asking)
         rows = [no_rolling_under(self.chart), self._held_out(need)]
         state = self._solve(unknowns, rows, pull)
@@ -170,16 +174,20 @@ class _Task:
         out = need.known & (need.move_mm > _ASKS_MM)
         loose = need.known & (need.loss_mm > _LEAST_LOSS_MM) & (need.hold_mm < -_LEAST_LOSS_MM) & self.settings.hold
         asking = out | loose
-        pull: list[Pull] = []
-        if loose.any():
-            wish = -np.minimum(-need.hold_mm[loose], need.loss_mm[loose])
-            weight = np.full(len(wish), _CELL_MM**2 / _HOLD_MM**4)
-            pull.append(Pull(self.chart.rows(need.u[loose], need.v[loose]), wish, weight))
-        return evaluate_at(self.chart.tube, need.u[asking], need.v[asking]).xyz_mm, pull
+        wish = np.where(loose, -np.minimum(-need.hold_mm, need.loss_mm), np.maximum(need.move_mm, 0.0))[asking]
+        length = np.where(loose[asking], _HOLD_MM, _CLOSE_SHARE * self.settings.transition_mm)
+        pull = Pull(self.chart.rows(need.u[asking], need.v[asking]), wish, self._cell_area(need.of(asking)) / length**4)
+        return evaluate_at(self.chart.tube, need.u[asking], need.v[asking]).xyz_mm, [pull]
+
+    def _cell_area(self, need: Need) -> Floats:
+        """Area (mm2) of the cell of each place."""
+        here = evaluate_at(self.chart.tube, need.u, need.v)
+        area = np.linalg.norm(np.cross(here.along_u, here.along_v), axis=1)
+        return area / float(np.prod(self.chart.shape) * _CELLS**2)
 
     def _unknowns(self, free: Bools, widening: Widening, need: Need, asking: Floats) -> Unknowns:
-        fixed = np.zeros(self.chart.shape)
-        fixed[0] = widening.edge
+        coarse = coarse_space(self.chart.tube, _SPAN_SHARE * self.settings.transition_mm)
+        fixed = np.outer(coarse.edge, widening.edge)
         least = np.zeros(self.chart.shape)
         loose = need.known & (need.loss_mm > _LEAST_LOSS_MM) & (need.hold_mm < -_LEAST_LOSS_MM)
         if self.settings.hold and loose.any():
@@ -189,7 +197,7 @@ class _Task:
             gap, which = PointTree(places).nearest(grid, 1, self.settings.transition_mm)
             near = np.isfinite(gap[:, 0])
             least.reshape(-1)[near] = -_LOSS_SLACK * need.loss_mm[loose][which[near, 0]]
-        return find_unknowns(free, fixed, least)
+        return find_unknowns(free, fixed, least, coarse)
 
     def _held_out(self, need: Need) -> Rows:
         """The foot stays inside: d(u, v) >= what each cell needs."""

@@ -13,7 +13,7 @@ from scipy import sparse as scipy_sparse
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import QualityError
-from footscan.shoelast.chart import Sparse
+from footscan.shoelast.chart import Coarse, Sparse
 
 sparse: Any = scipy_sparse
 
@@ -40,14 +40,31 @@ class Unknowns:
         return (self.spread @ unknown + self.fixed).reshape(shape)
 
 
-def find_unknowns(free: Bools, fixed: Floats, least: Floats) -> Unknowns:
+def find_unknowns(free: Bools, fixed: Floats, least: Floats, coarse: Coarse) -> Unknowns:
     """Sort coefficients into unknown, fixed and tied ones.
 
     Args:
         free: `(n_v, n_u)` which may change.
-        fixed: `(n_v, n_u)` values of those that may not.
+        fixed: `(n_v, n_u)` what is there whatever the unknowns are.
         least: `(n_v, n_u)` lower bounds.
+        coarse: The coarser net whose fields are looked for: those of its coefficients that move only free ones.
     """
+    touches = (coarse.spread != 0).astype(np.float64)
+    blocked = touches.T @ (~free).ravel().astype(np.float64)
+    bound = np.full(coarse.shape, -np.inf).ravel()
+    inner = coarse.spread.tocoo()
+    np.maximum.at(bound, inner.col, np.where(inner.data >= _MAIN, least.ravel()[inner.row], -np.inf))
+    alone = _tied_unknowns((blocked == 0.0).reshape(coarse.shape), bound.reshape(coarse.shape))
+    spread = (coarse.spread @ alone[0]).tocsc()
+    return Unknowns(spread, fixed.ravel(), alone[1])
+
+
+_MAIN = 0.4
+"""A fine coefficient that takes this much from a coarse one bounds it."""
+
+
+def _tied_unknowns(free: Bools, least: Floats) -> tuple[Sparse, Floats]:
+    """Spread from unknowns to the coefficients of one net, the back line tied, and their lower bounds."""
     rows, columns = free.shape
     before, on, after = BACK_COLUMNS
     free = free.copy()
@@ -62,7 +79,7 @@ def find_unknowns(free: Bools, fixed: Floats, least: Floats) -> Unknowns:
     column = np.concatenate([number[place], number[tied * columns + before], number[tied * columns + after]])
     value = np.concatenate([np.ones(len(place)), np.full(2 * len(tied), -0.25)])
     spread = sparse.csc_matrix((value, (row, column)), shape=(rows * columns, len(place)))
-    return Unknowns(spread, np.where(free, 0.0, fixed).ravel(), least.ravel()[place])
+    return spread, least.ravel()[place]
 
 
 @dataclass(frozen=True)
@@ -136,13 +153,16 @@ def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats) ->
     return np.asarray(found.x)
 
 
-def smooth_line(need: Floats, free: Bools, spacing: Floats) -> Floats:
-    """The smoothest closed curve over a need: periodic spline coefficients, zero where they may not change.
+def smooth_line(need: Floats, free: Bools, spacing: Floats, length_mm: float) -> Floats:
+    """A smooth closed curve close over a need: periodic spline coefficients, zero where they may not change.
+
+    It is the least of bending plus the squared distance above the need over `length_mm`^4.
 
     Args:
         need: `(n,)` least values, at the middle of each coefficient.
         free: `(n,)` coefficients that may change.
         spacing: `(n,)` distance (mm) between neighbouring coefficients.
+        length_mm: Over about this length the curve leaves the need for the sake of smoothness.
     """
     count = len(need)
     eye = sparse.identity(count, format="csr")
@@ -156,7 +176,9 @@ def smooth_line(need: Floats, free: Bools, spacing: Floats) -> Floats:
     active = np.flatnonzero(need > 0.0)
     left = sparse.vstack([-(values[active] @ spread), -sparse.identity(len(place))], format="csc")
     right = np.concatenate([-need[active], np.zeros(len(place))])
-    found = _clarabel((spread.T @ bend.T @ bend @ spread).tocsc(), np.zeros(len(place)), left, right)
+    weigh = sparse.diags(spacing / length_mm**4)
+    quadratic = spread.T @ (bend.T @ bend + values.T @ weigh @ values) @ spread
+    found = _clarabel(quadratic.tocsc(), -(spread.T @ (values.T @ (weigh @ need))), left, right)
     result = np.zeros(count)
     result[place] = np.maximum(found, 0.0)
     return result

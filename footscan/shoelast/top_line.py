@@ -10,7 +10,7 @@ from footscan.shoelast.foot_pose import PosedFoot
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.profile import profile_data
 
-_EDGE_STEPS = 720
+_EDGE_STEPS, _NEAR_MM = 720, 3.0
 
 
 @dataclass(frozen=True)
@@ -29,20 +29,28 @@ class TopLine:
 
 
 def find_top_line(shoelast: Shoelast, posed: PosedFoot) -> TopLine:
-    """From the back, at a share of the foot length above the seat, through the foot's instep point.
+    """From the back, at a share of the foot length above the seat, to the dorsum in front of the instep.
 
     It is lowered where it would come nearer to the cone top than a margin (profiles.json).
     """
     numbers = profile_data()["top_line"]
     seat, rear = shoelast.points["seat_point"], shoelast.points["rear_point"]
-    instep = posed.points["instep_point"]
-    back = np.array([rear[0], 0.0, seat[2] + numbers["back_share"] * posed.foot.value("foot_length")])
-    along = np.array([instep[0], 0.0, max(instep[2], back[2])]) - back
+    length = posed.foot.value("foot_length")
+    throat = _dorsum(posed, numbers["throat_share"] * length)
+    back = np.array([rear[0], 0.0, seat[2] + numbers["back_share"] * length])
+    along = np.array([throat[0], 0.0, max(throat[2], back[2])]) - back
     normal = np.array([-along[2], 0.0, along[0]]) / np.hypot(along[0], along[2])
     cone = shoelast.upper.grid(np.arange(_EDGE_STEPS) / _EDGE_STEPS, np.array([1.0]))[0]
-    cone = cone[cone[:, 0] < instep[0]]
+    cone = cone[cone[:, 0] < throat[0]]
     room = float(((cone - back) @ normal).min()) if len(cone) else np.inf
     return TopLine(back + min(0.0, room - numbers["cone_margin_mm"]) * normal, normal)
+
+
+def _dorsum(posed: PosedFoot, x_foot: float) -> Floats:
+    """The highest skin of the posed foot near a place along the flat one."""
+    near = np.abs(posed.foot.shell.xyz[:, 0] - x_foot) < _NEAR_MM
+    xyz = posed.shell.xyz[near]
+    return xyz[xyz[:, 2].argmax()]
 
 
 class FeatherLine:
