@@ -44,7 +44,8 @@ def find_held(before: Shoelast, after: Shoelast, dims: Dims, widening_mm: float)
     held = {name: Held(*dims[name][:2], HELD_MM, "mm") for name in ("pitch", "toe_spring")}
     held["toe_box_height"] = Held(*dims["toe_box_height"][:2], None, "mm")
     for name in ("tread_point", "seat_point"):
-        held[f"{name}_x"] = Held(float(before.points[name][0]), float(after.points[name][0]), HELD_MM, "mm")
+        held[f"{name}_z"] = Held(float(before.points[name][2]), float(after.points[name][2]), HELD_MM, "mm")
+        held[f"{name}_x"] = Held(float(before.points[name][0]), float(after.points[name][0]), bottom, "mm")
     v = np.linspace(0.0, 1.0, 200)
     held["back_curve"] = Held(0.0, _most_apart(before.upper.grid(_ZERO, v), after.upper.grid(_ZERO, v)), HELD_MM, "mm")
     u = np.arange(_STEPS) / _STEPS

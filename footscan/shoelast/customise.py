@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import trimesh
+from scipy import sparse as scipy_sparse
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import QualityError
@@ -20,8 +22,9 @@ from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.foot_pose import InsoleStack, PosedFoot, pose_foot
 from footscan.shoelast.foot_pose_joints import Joints
 from footscan.shoelast.foot_samples import FootSamples, sample_foot
+from footscan.shoelast.girth_wish import check_girths, girth_places, girth_pulls
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.need import Need, Room, find_need
+from footscan.shoelast.need import Need, Room, find_need, parameters_at
 from footscan.shoelast.obstacle import Pull, Rows, Unknowns, find_unknowns, solve_smoothest
 from footscan.shoelast.patches import lower_edge, with_boundary
 from footscan.shoelast.pins import Pin, pinned_mm
@@ -34,6 +37,7 @@ from footscan.shoelast.skin import LastSkin, skin_of
 from footscan.shoelast.top_line import FeatherLine, TopLine, find_top_line
 from footscan.shoelast.widening import Widening, find_widening, no_rolling_under
 
+sparse: Any = scipy_sparse
 REGISTERING = 9000
 SEEN_SAMPLES = 110_000
 CHANGED_MM = 0.01
@@ -41,13 +45,13 @@ MOST_ROUNDS = 4
 _EVERY = 4
 """Every so many samples are looked at to find the need; all of them in the proof."""
 _ASKS_MM, _LEAST_LOSS_MM, _LOSS_SLACK = 0.01, 0.1, 1.2
-_SAFE_MM, _ENOUGH_MM = 0.02, 0.03
+_SAFE_MM, _ENOUGH_MM, _BESIDE_MM = 0.02, 0.03, 0.05
 """Room beyond the least that is asked of the smooth surface, for the facets of the mesh; what a round leaves alone."""
 _HOLD_MM, _CLOSE_SHARE = 6.0, 0.6
 """Over about this length holding wins against stiffness; and over this share of the transition length the surface
 leaves the foot for the sake of smoothness (the d^2 beside l^4 |Hessian|^2 of the functional)."""
 _CELLS = 2
-_SPAN_SHARE = 0.6
+_SPAN_SHARE = 0.5
 """Spans of the displacement's own net are at most this share of the transition length."""
 _LEAST_SAY, _LEAST_SHARE = 0.05, 0.05
 
@@ -95,6 +99,7 @@ def customise(
     settings = settings or CustomSettings()
     profile = _profile(clearance)
     prepared = prepare_foot(foot, shoelast.side) if isinstance(foot, trimesh.Trimesh) else foot
+    check_girths(settings.girths_mm)
     check_side(shoelast, prepared)
     posed = pose_foot(prepared, shoelast, settings.stack, settings.joints)
     posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
@@ -157,17 +162,33 @@ class _Task:
         need = worst_per_cell(need, room, self.chart)
         asking, pull = self._asking(need)
         widening = find_widening(self.chart, need, self.profile.most_overhang_mm)
-        asking = np.vstack([asking, widening.places])
+        asking = np.vstack([asking, widening.places, self._tapes()])
         free = find_free(self.chart, asking, self.settings.transition_mm)
-        unknowns = self._unknowns(free, widening, need, asking)
+        unknowns = self._unknowns(free, widening, need)
         rows = [no_rolling_under(self.chart), self._held_out(need)]
-        state = self._solve(unknowns, rows, pull)
+        state = self._solve(unknowns, rows, pull + self._girths(np.zeros(self.chart.shape), self.skin, self.mesh))
         rounds = 1
-        while rounds < MOST_ROUNDS and len(lacking := self._lacking(state)):
-            rows.append(self._raised(state, lacking))
-            state = self._solve(unknowns, rows, pull)
+        while rounds < MOST_ROUNDS and (len(lacking := self._lacking(state)) or (rounds == 1 and self._wanted_girths)):
+            if len(lacking):
+                more, places = self._raised(state, lacking)
+                rows += [more, self._raised_nearest(state, lacking)]
+                asking = np.vstack([asking, places])
+                free = find_free(self.chart, asking, self.settings.transition_mm)
+                unknowns = self._unknowns(free, widening, need)
+            state = self._solve(unknowns, rows, pull + self._girths(state.coefficients, state.skin, state.mesh))
             rounds += 1
         return self._finished(registration, state, need, widening, rounds)
+
+    @property
+    def _wanted_girths(self) -> Mapping[str, float]:
+        return self.settings.girths_mm
+
+    def _tapes(self) -> Floats:
+        return girth_places(self.skin, self.shoelast.points, self._wanted_girths)
+
+    def _girths(self, coefficients: Floats, skin: LastSkin, mesh: DistanceMesh) -> list[Pull]:
+        now = Chart(self.chart.displaced(coefficients), self.chart.direction)
+        return girth_pulls(now, coefficients, skin, mesh, self.shoelast.points, self._wanted_girths)
 
     def _asking(self, need: Need) -> tuple[Floats, list[Pull]]:
         """Places of the upper that ask for a change, and the wishes to hold the foot closer."""
@@ -185,7 +206,7 @@ class _Task:
         area = np.linalg.norm(np.cross(here.along_u, here.along_v), axis=1)
         return area / float(np.prod(self.chart.shape) * _CELLS**2)
 
-    def _unknowns(self, free: Bools, widening: Widening, need: Need, asking: Floats) -> Unknowns:
+    def _unknowns(self, free: Bools, widening: Widening, need: Need) -> Unknowns:
         coarse = coarse_space(self.chart.tube, _SPAN_SHARE * self.settings.transition_mm)
         fixed = np.outer(coarse.edge, widening.edge)
         least = np.zeros(self.chart.shape)
@@ -219,18 +240,31 @@ class _Task:
         return _State(found, moved, skin, mesh, signed)
 
     def _lacking(self, state: _State) -> Ints:
+        """Samples that lack room, with those that have next to none beside them; none when all have enough."""
         lack = np.where(self.judged.seen, state.signed_mm + self.room.least_mm, -1.0)
-        return np.flatnonzero(lack > _ENOUGH_MM)
+        return np.flatnonzero(lack > -_BESIDE_MM) if lack.max() > _ENOUGH_MM else np.empty(0, dtype=np.int64)
 
-    def _raised(self, state: _State, lacking: Ints) -> Rows:
-        """Conditions from places that lack room, followed to the surface as it is now."""
+    def _raised(self, state: _State, lacking: Ints) -> tuple[Rows, Floats]:
+        """Conditions from places that lack room, followed to the surface as it is now; and where it asks for more."""
         room = self.room.of(lacking)
         now = Chart(state.shoelast.upper, self.chart.direction)
         need, _ = find_need(now, state.skin, state.mesh, self.samples.xyz[lacking], room)
         need = worst_per_cell(need, room, self.chart)
-        used = need.known & (need.move_mm > 0.0)
+        used = need.known & (need.move_mm > -2.0 * _BESIDE_MM)
         rows = self.chart.rows(need.u[used], need.v[used])
-        return Rows(rows, rows @ state.coefficients.ravel() + need.move_mm[used] + _SAFE_MM)
+        asks = need.known & (need.move_mm > _ASKS_MM)
+        places = evaluate_at(self.chart.tube, need.u[asks], need.v[asks]).xyz_mm
+        return Rows(rows, rows @ state.coefficients.ravel() + need.move_mm[used] + _SAFE_MM), places
+
+    def _raised_nearest(self, state: _State, lacking: Ints) -> Rows:
+        """The same with the nearest places instead: near a rim the skin that is nearest is not the skin straight out."""
+        lacking = lacking[state.signed_mm[lacking] + self.room.least_mm[lacking] > 0.0]
+        near = state.mesh.nearest(self.samples.xyz[lacking])
+        u, v = parameters_at(state.skin, near.face, near.weight, near.xyz)
+        along = (near.normal * evaluate_at(self.chart.direction, u, v).xyz_mm).sum(axis=1)
+        rows: Sparse = sparse.diags(along) @ self.chart.rows(u, v)
+        lack = near.signed + self.room.least_mm[lacking]
+        return Rows(rows, rows @ state.coefficients.ravel() + lack + _SAFE_MM)
 
     def _finished(
         self, registration: Registration, state: _State, need: Need, widening: Widening, rounds: int

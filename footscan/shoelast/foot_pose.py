@@ -182,7 +182,7 @@ def _changes(foot: PreparedFoot, placed: PlacedFoot, shell: Shell) -> dict[str, 
     dorsum = np.array([_top(foot.shell, x * length) for x in share])
     sole = np.column_stack([np.linspace(0.0, length, 101), np.zeros(101), np.zeros(101)])
     tips = np.array([foot.points["pternion"], foot.points["foremost_point"]])
-    areas = {f"section_area_{s:.0%}": _area_change(foot, placed, shell, s * length) for s in (0.3, 0.5, 0.7, 0.85)}
+    areas = {f"section_area_{s:.0%}": _area_change(foot, placed, shell, s * length) for s in (0.55, 0.65, 0.75, 0.85)}
     return {
         **{name.replace("%", "_percent_share"): value for name, value in areas.items()},
         "dorsum_over_ball_mm": _path_mm(placed(dorsum)) - _path_mm(dorsum),

@@ -50,6 +50,8 @@ def pinned_mm(pins: tuple[Pin, ...], posed: PosedFoot, samples: FootSamples) -> 
     Raises:
         InputError: A pin far from the foot.
     """
+    if not pins:
+        return np.zeros(len(samples.xyz))
     foot = posed.foot
     corner = foot.shell.xyz[foot.shell.faces[samples.face]]
     xyz_foot = np.einsum("nk,nkc->nc", samples.weight, corner)

@@ -10,11 +10,12 @@ from footscan.errors import InputError
 
 @dataclass(frozen=True)
 class StoredSubject:
-    """Side, load and missing parts as far as known."""
+    """Side, load, missing parts and the wedge under the heel as far as known."""
 
     side: Side | None = None
     load: str = "unknown"
     absent: tuple[str, ...] = ()
+    wedge_mm: float | None = None
 
 
 def stored_subject(place: Path) -> StoredSubject:
@@ -30,6 +31,8 @@ def stored_subject(place: Path) -> StoredSubject:
         content = json.loads(report.read_text(encoding="utf-8"))
         side, subject = content["side"], content["subject"]
         load, absent = str(subject["load"]), tuple(str(part) for part in subject["absent"])
+        wedge = subject.get("wedge_mm")
+        wedge_mm = None if wedge is None else float(wedge)
     except (ValueError, KeyError, TypeError) as err:
         raise InputError(f"{report} is damaged ({err}); process the recording again.") from err
-    return StoredSubject("right" if side == "right" else "left" if side == "left" else None, load, absent)
+    return StoredSubject("right" if side == "right" else "left" if side == "left" else None, load, absent, wedge_mm)

@@ -1,0 +1,204 @@
+"""Fitting lasts for a visit: a foot from disk, ranking, comparing, customising, and the files that leave."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from footscan.config.toml_file import write_whole
+from footscan.coordinates import Floats, Side
+from footscan.errors import QualityError, StorageError
+from footscan.foot.mesh_file import load_foot_mesh
+from footscan.foot.shell import mesh_from_shell
+from footscan.foot.surface_files import save_surface_stl
+from footscan.geometry.mesh_distance import DistanceMesh
+from footscan.shoelast.compare import Comparison
+from footscan.shoelast.custom_last import CustomLast, held_json
+from footscan.shoelast.customise import CustomSettings, customise
+from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.nurbs_out import save_last_json
+from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
+from footscan.shoelast.proof import LIMIT_MM, proof_json
+from footscan.shoelast.rank import Ranked
+from footscan.shoelast.top_line import TopLine
+from footscan.workflow.lasts_pictures import save_changed_picture, save_clearance_map, save_plan_picture
+from footscan.workflow.stored_foot import stored_subject
+
+CUSTOM_FILES = (
+    "custom.stl",
+    "custom.json",
+    "foot_in_last.stl",
+    "proof.json",
+    "plan.png",
+    "clearance.png",
+    "changed.png",
+)
+
+
+def load_foot(place: Path, unit: str, side: Side | None) -> PreparedFoot:
+    """A foot from a mesh file or a folder made by `process`; the folder knows side, load, missing parts and wedge.
+
+    Raises:
+        MeshError: No foot.
+        InputError: A damaged folder.
+    """
+    known = stored_subject(place)
+    mesh = load_foot_mesh(place, unit)
+    return prepare_foot(mesh, side or known.side, known.load, known.absent, known.wedge_mm)
+
+
+def ranking_json(ranking: Sequence[Ranked]) -> dict[str, Any]:
+    """What `lasts rank --json` prints."""
+    return {"ranking": [_ranked_json(one) for one in ranking]}
+
+
+def _ranked_json(one: Ranked) -> dict[str, Any]:
+    entry = one.entry
+    return {
+        "id": entry.id,
+        "name": entry.name,
+        "score": round(one.score, 4),
+        "side": entry.side,
+        "size_eu": entry.size_eu,
+        "fitting": entry.fitting,
+        "style": entry.style,
+        "pitch_mm": entry.pitch_mm,
+        "parts": {name: round(value, 4) for name, value in one.parts.items()},
+        "differences_mm": {name: round(value, 2) for name, value in one.differences_mm.items()},
+        "reason": one.reason,
+    }
+
+
+def comparison_json(found: Comparison) -> dict[str, Any]:
+    """What `lasts compare --json` prints."""
+    lie = found.registration
+    return {
+        "regions": {name: vars(room) for name, room in found.regions.items()},
+        "plantar": None if found.plantar is None else vars(found.plantar),
+        "unseen": None if found.unseen is None else vars(found.unseen),
+        "girths_mm": {
+            name: {"foot": one.foot_mm, "last": one.last_mm, "difference": one.last_mm - one.foot_mm}
+            for name, one in found.girths.items()
+        },
+        "registration": None if lie is None else vars(lie),
+        "bend_changes": {} if found.posed is None else found.posed.changes,
+        "remarks": list(found.remarks),
+    }
+
+
+def customise_pair(
+    shoelast: Shoelast, feet: tuple[PreparedFoot, PreparedFoot], clearance: str, settings: CustomSettings
+) -> tuple[CustomLast, CustomLast]:
+    """Left and right lasts of one style, pitch, toe and cone height; widths and girths per foot.
+
+    Args:
+        shoelast: The standard last of either side; the other one is its mirror image.
+        feet: Left and right.
+        clearance: Name of a profile.
+        settings: For both.
+    """
+    left, right = (
+        customise(replace(shoelast, side=foot.side, name=f"{shoelast.name} {foot.side}"), foot, clearance, settings)
+        for foot in feet
+    )
+    return left, right
+
+
+@dataclass(frozen=True)
+class SavedCustom:
+    """Where a customised last was written, and the content of proof.json."""
+
+    folder: Path
+    proof: dict[str, Any]
+
+
+def save_custom(custom: CustomLast, folder: Path) -> SavedCustom:
+    """Write custom.stl, custom.json, foot_in_last.stl, proof.json and three pictures, in real handedness.
+
+    Raises:
+        StorageError: The folder cannot be written.
+        QualityError: The last does not hold the foot; the files are there all the same, to see where.
+    """
+    side = custom.shoelast.side
+    _empty(folder)
+    save_surface_stl(mirrored_mesh(custom.skin.mesh(), side), folder / "custom.stl")
+    save_last_json(custom.shoelast, folder / "custom.json")
+    save_surface_stl(mirrored_mesh(mesh_from_shell(custom.posed.shell), side), folder / "foot_in_last.stl")
+    content = custom_json(custom)
+    write_whole(folder / "proof.json", (json.dumps(content, indent=1) + "\n").encode())
+    _save_pictures(custom, folder)
+    if not custom.proof.holds:
+        raise QualityError(
+            f"the last in {folder} does not hold the foot: {custom.proof.worst_violation_mm:.2f} mm of room is "
+            f"missing (at most {LIMIT_MM} mm); see proof.json; grade it or take another."
+        )
+    return SavedCustom(folder, content)
+
+
+def _empty(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in CUSTOM_FILES:
+            (folder / name).unlink(missing_ok=True)
+    except OSError as err:
+        raise StorageError(f"{folder} cannot be used for results ({err.strerror}); choose another place.") from err
+
+
+def custom_json(custom: CustomLast) -> dict[str, Any]:
+    """The content of proof.json: the proof, and what was done to the last; places in real handedness."""
+    side = custom.shoelast.side
+    line = custom.proof.top_line
+    real = TopLine(mirrored(line.origin, side), mirrored(line.normal, side))
+    content = proof_json(
+        replace(custom.proof, top_line=real, worst_at=mirrored(custom.proof.worst_at, side)), held_json(custom)
+    )
+    smooth = vars(custom.smoothness)
+    smooth = {name: list(one) if isinstance(one, tuple) else one for name, one in smooth.items()}
+    return content | {
+        "last": custom.original.name,
+        "side": side,
+        "profile": custom.profile.name,
+        "transition_mm": custom.transition_mm,
+        "rounds": custom.rounds,
+        "datum": DATUM,
+        "registration": vars(custom.registration),
+        "insole_mm": vars(custom.posed.stack),
+        "bend_changes": custom.posed.changes,
+        "dimensions": {
+            name: {"before": before, "after": after, "unit": unit}
+            for name, (before, after, unit) in custom.dimensions.items()
+        },
+        "displacement_mm": {
+            "least": float(custom.displacement_mm.min()),
+            "most": float(custom.displacement_mm.max()),
+            "changed_share": float(np.mean(custom.changed)),
+        },
+        "bottom_widened_mm": custom.widening_mm,
+        "smoothness": {
+            name: value if isinstance(value, float) else list(value) for name, value in vars(smooth).items()
+        },
+        "unmet": list(custom.unmet),
+        "remarks": list(custom.posed.remarks),
+    }
+
+
+def _save_pictures(custom: CustomLast, folder: Path) -> None:
+    side, title = custom.shoelast.side, f"{custom.original.name}, customised"
+    shell = custom.posed.shell
+    save_plan_picture(folder / "plan.png", custom.shoelast, shell.xyz, shell.faces, title)
+    save_changed_picture(folder / "changed.png", custom.skin, custom.displacement_mm, side, title)
+    clearance = judged_clearance_mm(custom)
+    save_clearance_map(folder / "clearance.png", shell.xyz, shell.faces, clearance, side, title)
+
+
+def judged_clearance_mm(custom: CustomLast) -> Floats:
+    """Room `(n,)` at the vertices of the posed foot; NaN where the skin was not seen or lies above the top line."""
+    shell = custom.posed.shell
+    clearance = -DistanceMesh(custom.skin.xyz_shoelast, custom.skin.faces).nearest(shell.xyz).signed
+    seen = np.zeros(len(shell.xyz), dtype=np.bool_)
+    seen[shell.faces[custom.posed.foot.face_seen].ravel()] = True
+    return np.where(seen & custom.proof.top_line.below(shell.xyz), clearance, np.nan)

@@ -1,0 +1,180 @@
+"""A customised last holds the foot, changes nothing beyond its transition, and refuses what cannot be made to fit."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from footscan.errors import InputError, QualityError
+from footscan.shoelast.chart import bending_matrix, build_chart, coarse_space, project, refined
+from footscan.shoelast.compare import compare, compare_lasts
+from footscan.shoelast.custom_last import CustomLast
+from footscan.shoelast.custom_report import plain_maximum_energy
+from footscan.shoelast.customise import CustomSettings, customise
+from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.pins import Pin
+from footscan.shoelast.pose import moved
+from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
+from footscan.shoelast.proof import LEAST_SAMPLES, LIMIT_MM
+from footscan.shoelast.skin import skin_of
+from footscan.sim.foot import FootShape, build_foot
+from footscan.sim.surface import trimesh_from_surface
+
+
+@pytest.fixture(scope="module")
+def foot() -> PreparedFoot:
+    return prepare_foot(trimesh_from_surface(build_foot(FootShape("right", 1.0))), "right")
+
+
+@pytest.fixture(scope="module")
+def shoelast() -> Shoelast:
+    return build_shoelast("therapeutic", 40.0, "g", 15.0, "round")
+
+
+@pytest.fixture(scope="module")
+def custom(shoelast: Shoelast, foot: PreparedFoot) -> CustomLast:
+    return customise(shoelast, foot, "therapeutic")
+
+
+def test_no_seen_skin_stands_out_of_the_final_mesh(custom: CustomLast):
+    assert custom.proof.samples >= LEAST_SAMPLES
+    assert custom.proof.worst_violation_mm <= LIMIT_MM
+    assert custom.proof.holds
+
+
+def test_an_independent_look_at_the_mesh_agrees(custom: CustomLast):
+    mesh, shell, line = custom.skin.mesh(), custom.posed.shell, custom.proof.top_line
+    seen = np.unique(shell.faces[custom.posed.foot.face_seen])
+    xyz = shell.xyz[seen]
+    edge = custom.shoelast.upper.grid(np.arange(720) / 720, np.zeros(1))[0]
+    nearest = np.linalg.norm(xyz[:, None, :2] - edge[None, ::4, :2], axis=2).argmin(axis=1)
+    judged = (xyz[:, 2] > edge[::4][nearest, 2] + 0.3) & ((xyz - line.origin) @ line.normal < 0.0)
+    some = xyz[judged][:: max(1, int(judged.sum()) // 800)]
+
+    inside = mesh.ray.contains_points(some + 1e-6)
+
+    near = np.linalg.norm(mesh.vertices[None] - some[~inside][:, None], axis=2).min(axis=1, initial=np.inf)
+    assert len(some) > 300
+    assert np.all(near < 1.5)
+    assert np.mean(inside) > 0.99
+
+
+def test_the_mesh_is_closed_and_the_cone_and_back_are_held(custom: CustomLast):
+    mesh = custom.skin.mesh()
+
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert all(one.kept for one in custom.held.values())
+
+
+def test_beyond_the_transition_nothing_moves(custom: CustomLast):
+    before = skin_of(custom.original).xyz_shoelast
+    off = np.linalg.norm(custom.skin.xyz_shoelast - before, axis=1)
+    need = custom.need
+    asks = need.known & ((need.move_mm > 0.01) | ((need.hold_mm < -0.1) & (need.loss_mm > 0.1)))
+    u = np.concatenate([need.u[asks]])
+    places = np.vstack(
+        [custom.original.upper.grid(u[k : k + 1], need.v[asks][k : k + 1])[0, 0] for k in range(0, len(u), 3)]
+    )
+    if custom.widening_mm > 0.0:
+        places = np.vstack([places, before[: 2 * 360][off[: 2 * 360] > 0.01]])
+
+    sides = np.arange(len(custom.skin.uv))
+    gap = np.full(len(sides), np.inf)
+    for k in range(0, len(places), 400):
+        gap = np.minimum(gap, np.linalg.norm(before[sides, None] - places[None, k : k + 400], axis=2).min(axis=1))
+    assert off[sides][gap > custom.transition_mm + 4.0].max(initial=0.0) < 0.01
+
+
+def test_the_change_is_smoother_than_a_plain_maximum(custom: CustomLast):
+    chart = build_chart(custom.original)
+
+    assert custom.smoothness.energy < plain_maximum_energy(chart, bending_matrix(chart.tube), custom.need)
+
+
+def test_a_finer_net_is_the_same_last(shoelast: Shoelast):
+    fine = refined(shoelast, 2, np.array([0.013, 0.617]))
+
+    assert np.abs(skin_of(fine).xyz_shoelast - skin_of(shoelast).xyz_shoelast).max() < 1e-9
+
+
+def test_a_coarse_field_is_a_field_of_the_fine_net(shoelast: Shoelast):
+    tube = shoelast.upper
+    coarse = coarse_space(tube, 12.0)
+
+    ones = coarse.spread @ np.ones(coarse.shape[0] * coarse.shape[1])
+
+    assert coarse.shape[1] < tube.count_u
+    assert np.abs(ones - 1.0).max() < 1e-9
+
+
+def test_a_place_pushed_along_the_directions_is_found_again(shoelast: Shoelast):
+    chart, random = build_chart(shoelast), np.random.default_rng(2)
+    u, v, t = random.uniform(0, 1, 200), random.uniform(0.02, 0.95, 200), random.uniform(-2.0, 6.0, 200)
+    xyz = np.array(
+        [
+            chart.tube.grid(u[k : k + 1], v[k : k + 1])[0, 0]
+            + t[k] * chart.direction.grid(u[k : k + 1], v[k : k + 1])[0, 0]
+            for k in range(200)
+        ]
+    )
+
+    found = project(chart, chart.tube, xyz, np.mod(u + 0.002, 1.0), np.clip(v + 0.005, 0.0, 1.0))
+
+    assert np.nanmax(np.abs(found[2] - t)) < 1e-3
+    assert np.isfinite(found[2]).mean() > 0.98
+
+
+def test_a_pin_gives_room_where_it_is_set(shoelast: Shoelast, foot: PreparedFoot, custom: CustomLast):
+    at = foot.points["metatarsale_tibiale"]
+    xyz = np.linalg.solve(foot.foot_from_input, np.append(at, 1.0))[:3]
+    pin = Pin((float(xyz[0]), float(xyz[1]), float(xyz[2])), 14.0, 4.0)
+
+    pinned = customise(shoelast, foot, "therapeutic", CustomSettings(pins=(pin,)))
+
+    assert pinned.proof.holds
+    assert pinned.dimensions["ball_girth"][1] > custom.dimensions["ball_girth"][1] + 1.0
+
+
+def test_two_sizes_short_is_refused_with_the_word_grade(foot: PreparedFoot):
+    with pytest.raises(QualityError, match="grade first"):
+        customise(build_shoelast("therapeutic", 37.5, "k", 15.0, "round"), foot, "therapeutic")
+
+
+def test_the_wrong_side_is_refused(shoelast: Shoelast, foot: PreparedFoot):
+    with pytest.raises(InputError, match="right one"):
+        customise(dataclasses.replace(shoelast, side="left"), foot, "therapeutic")
+
+
+def test_an_unknown_profile_is_named(shoelast: Shoelast, foot: PreparedFoot):
+    with pytest.raises(InputError, match="comfort"):
+        customise(shoelast, foot, "ballet")
+
+
+def test_a_last_compared_with_itself_has_no_room_anywhere(shoelast: Shoelast):
+    same = compare_lasts(shoelast, shoelast)
+
+    assert np.abs(same.clearance_mm).max() < 1e-9
+    assert all(one.foot_mm == one.last_mm for one in same.girths.values())
+
+
+def test_one_percent_shows(shoelast: Shoelast):
+    larger = moved(shoelast, np.diag([1.01, 1.01, 1.01, 1.0]))
+
+    found = compare_lasts(shoelast, larger)
+
+    assert found.girths["ball_girth"].foot_mm / found.girths["ball_girth"].last_mm == pytest.approx(1.01, abs=0.006)
+    assert found.regions["ball"].mean_mm < -0.2
+
+
+def test_only_seen_skin_counts_in_a_comparison(shoelast: Shoelast, foot: PreparedFoot):
+    blind = dataclasses.replace(
+        foot, face_seen=foot.face_seen & (foot.shell.xyz[foot.shell.faces][:, :, 0].min(1) < 150)
+    )
+
+    found = compare(shoelast, blind)
+
+    assert "toe" in compare(shoelast, foot).regions
+    assert "toe" not in found.regions
+    assert found.unseen is not None
