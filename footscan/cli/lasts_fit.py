@@ -80,8 +80,13 @@ def rank_command(
 
 
 def _row(one: Ranked) -> str:
-    parts = "  ".join(f"{name} {one.differences_mm[name]:+.1f} ({part:.2f})" for name, part in one.parts.items())
+    parts = "  ".join(_part(one, name) for name in one.parts)
     return f"{one.score:8.3f}  {one.entry.id:40} {parts}{'  ' + one.reason if one.reason else ''}"
+
+
+def _part(one: Ranked, name: str) -> str:
+    difference = f" {one.differences_mm[name]:+.1f}" if name in one.differences_mm else ""
+    return f"{name}{difference} ({one.parts[name]:.2f})"
 
 
 def compare_command(

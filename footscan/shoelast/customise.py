@@ -257,7 +257,7 @@ class _Task:
         return Rows(rows, rows @ state.coefficients.ravel() + need.move_mm[used] + _SAFE_MM), places
 
     def _raised_nearest(self, state: _State, lacking: Ints) -> Rows:
-        """The same with the nearest places instead: near a rim the skin that is nearest is not the skin straight out."""
+        """The same with the nearest places: beside a steep rim they are not those straight out."""
         lacking = lacking[state.signed_mm[lacking] + self.room.least_mm[lacking] > 0.0]
         near = state.mesh.nearest(self.samples.xyz[lacking])
         u, v = parameters_at(state.skin, near.face, near.weight, near.xyz)

@@ -11,10 +11,13 @@ import numpy as np
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
+from footscan.shoelast.library import LastEntry
 from footscan.shoelast.prepared_foot import PreparedFoot
 from footscan.shoelast.profile import Profile, load_profile, profile_data
+from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
 
-WRONG_SIDE = 1000.0
+WRONG_SIDE, WRONG_WIDTH = 1000.0, 2000.0
+"""Added to the score: a last of the wrong side can be mirrored exactly, one of the wrong width cannot be mended."""
 _INSIDE = 0.2
 """Cost of a millimetre inside the band, as a share of one outside."""
 FROM_FOOT = {
@@ -29,20 +32,6 @@ FROM_FOOT = {
 }
 """Part of the score -> dimension of the last, measurement of the foot."""
 NEEDED_PARTS = ("ball_length", "ball_girth", "length_room")
-
-
-@dataclass(frozen=True)
-class LastEntry:
-    """A last as an index knows it; `dimensions` name -> mm (cm3 for the volume)."""
-
-    id: str
-    name: str
-    side: Side
-    dimensions: Mapping[str, float]
-    size_eu: float | None = None
-    fitting: str = ""
-    style: str = ""
-    pitch_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -102,17 +91,44 @@ def rank_by_values(
     bands = np.array([profile.bands[f"{part}_mm"] for part in parts])
     costs = _costs(differences, bands) * np.array([weights[part] for part in parts])
     wrong = np.array([entry.side != side for entry in entries])
-    scores = costs.sum(axis=1) + WRONG_SIDE * wrong
+    fuller = _fuller_mm(differences, parts, bands)
+    width = np.abs(fuller) > profile_data()["width_rule"]["most_off_mm"]
+    size = _size_costs(entries, values["foot_length"])
+    scores = costs.sum(axis=1) + size + WRONG_SIDE * wrong + WRONG_WIDTH * width
     return [
         Ranked(
             entries[k],
             float(scores[k]),
-            {part: float(cost) for part, cost in zip(parts, costs[k], strict=True)},
+            {part: float(cost) for part, cost in zip(parts, costs[k], strict=True)} | {"size_eu": float(size[k])},
             {part: float(difference) for part, difference in zip(parts, differences[k], strict=True)},
-            f"a {entries[k].side} last, the foot is a {side} one" if wrong[k] else "",
+            _reason(entries[k].side, side, wrong=bool(wrong[k]), fuller_mm=float(fuller[k]) if width[k] else 0.0),
         )
         for k in np.argsort(scores, kind="stable")
     ]
+
+
+def _size_costs(entries: Sequence[LastEntry], foot_length_mm: float) -> Floats:
+    """Cost `(n,)` of a size beside the size rule's; a last whose size nobody said costs nothing."""
+    rule = profile_data()["size_rule"]
+    wanted = rule["per_mm"] * foot_length_mm + rule["offset"]
+    off = np.array([0.0 if entry.size_eu is None else abs(entry.size_eu - wanted) for entry in entries])
+    return rule["per_size"] * np.maximum(off - rule["free"], 0.0)
+
+
+def _fuller_mm(differences: Floats, parts: list[str], bands: Floats) -> Floats:
+    """How much wider `(n,)` lasts are for their own length than the foot for its: a width fitting is 5 to 7 mm."""
+    girth, length = parts.index("ball_girth"), parts.index("length_room")
+    longer = differences[:, length] - SIZE_RULE_ROOM_MM
+    per_mm = profile_data()["width_rule"]["girth_per_length_mm"]
+    return differences[:, girth] - bands[girth].mean() - per_mm * longer
+
+
+def _reason(last_side: Side, side: Side, *, wrong: bool, fuller_mm: float) -> str:
+    reasons = [f"a {last_side} last, the foot is a {side} one"] if wrong else []
+    if fuller_mm:
+        word = "wide" if fuller_mm > 0.0 else "narrow"
+        reasons.append(f"{abs(fuller_mm):.0f} mm too {word} at the ball for its length: about two widths off")
+    return "; ".join(reasons)
 
 
 def _costs(differences: Floats, bands: Floats) -> Floats:
