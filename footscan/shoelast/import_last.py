@@ -19,7 +19,7 @@ from footscan.shoelast.import_pose import (
     turned_attachments,
     without_attachments,
 )
-from footscan.shoelast.import_repair import RepairedLast, repair_last, without_holes
+from footscan.shoelast.import_repair import RepairedLast, check_crossings, repair_last, without_holes
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.pose import levelled, settled
 from footscan.shoelast.source import LastSource
@@ -66,7 +66,7 @@ def shoelast_from_mesh(
     laid = _laid(repaired, frame)
     trimmed = without_attachments(laid.xyz, laid.faces, laid.bodies)
     closed, faces, rims = without_holes(trimmed.xyz, trimmed.faces)
-    words = check_whole(closed, faces, rims)
+    words = check_whole(closed, faces, rims) + check_crossings(trimmed.xyz, trimmed.faces)
     measured = np.ones(len(closed), dtype=np.bool_)
     measured[len(closed) - len(rims) :] = False
     regions = find_regions(closed, faces)

@@ -7,12 +7,15 @@ import trimesh
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
+from footscan.shoelast.crossing_faces import crossing_faces
 from footscan.shoelast.mesh_topology import consistent, edge_names, face_normals, pieces, rims, welded
 
 _WELD_MM = 0.02
 _CRUMB_SHARE = 0.004
 """Of the area of the largest piece: less is a crumb, more a body of its own (a stub, a toe centre)."""
 _ANOTHER_LAST_SHARE = 0.3
+_MOST_CROSSING, _SLIVER_MM = 40, 0.15
+"""Narrower faces are not asked whether they cross: noise of the digitiser is enough for that."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,9 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
     faces = faces[finite[faces].all(axis=1)]
     if len(faces) < 500:
         raise MeshError(f"{len(faces)} triangles are no digitised last, which has thousands; export it finer.")
+    xyz, faces = _exactly_joined(np.where(np.isfinite(xyz), xyz, 0.0), faces)
     before = pieces(faces)[0]
-    xyz, faces = welded(np.where(np.isfinite(xyz), xyz, 0.0), faces, _WELD_MM)
+    xyz, faces = welded(xyz, faces, _WELD_MM)
     faces = _single(faces, remarks)
     faces = _manifold(xyz, faces, remarks)
     joined = pieces(faces)[0]
@@ -60,6 +64,32 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
         remarks.append("the faces pointed inwards and were turned outwards")
     xyz, faces = _compact(xyz, faces)
     return RepairedLast(xyz, faces, bodies, tuple(remarks))
+
+
+def _exactly_joined(xyz: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """Vertices at the very same place as one, as STL repeats them for every face."""
+    _, first, place = np.unique(xyz, axis=0, return_index=True, return_inverse=True)
+    joined = place.reshape(-1)[faces]
+    return xyz[first], joined[(joined != np.roll(joined, 1, axis=1)).all(axis=1)]
+
+
+def check_crossings(xyz: Floats, faces: Ints) -> tuple[str, ...]:
+    """Refuse a mesh that passes through itself; a few crossing faces are told.
+
+    Raises:
+        MeshError: More than a few faces cross others.
+    """
+    edge = np.linalg.norm(xyz[faces] - xyz[np.roll(faces, 1, axis=1)], axis=2).max(axis=1)
+    faces = faces[2.0 * face_normals(xyz, faces)[1] > _SLIVER_MM * edge]
+    crossing = crossing_faces(xyz, faces)
+    count = int(crossing.sum())
+    if count > _MOST_CROSSING:
+        at = xyz[faces[crossing]].reshape(-1, 3).mean(axis=0)
+        raise MeshError(
+            f"the surface passes through itself: {count} faces cross others, in the middle about {at[0]:.0f} mm from "
+            f"the heel and {at[2]:.0f} mm high; repair it in the program it came from and export it again."
+        )
+    return (f"{count} faces cross others; they were left as they are",) if count else ()
 
 
 def _single(faces: Ints, remarks: list[str]) -> Ints:

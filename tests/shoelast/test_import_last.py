@@ -154,3 +154,14 @@ def test_another_body_is_refused():
 
     with pytest.raises(MeshError):
         imported(ball)
+
+
+def test_a_surface_that_passes_through_itself_is_refused(truth: Shoelast):
+    """A dent so deep that the back of the vamp comes out through the bottom."""
+    mesh = digitise(truth, Wear(COARSE))
+    away = np.linalg.norm(mesh.vertices[:, :2] - np.array([200.0, 0.0]), axis=1)
+    dent = np.where(mesh.vertices[:, 2] > 15.0, 60.0 * np.exp(-((away / 15.0) ** 2)), 0.0)
+    mesh.vertices = mesh.vertices - dent[:, None] * np.array([0.0, 0.0, 1.0])
+
+    with pytest.raises(MeshError, match="passes through itself"):
+        imported(mesh, "left")
