@@ -11,7 +11,10 @@ from footscan.shoelast.cad_file import IGES_KINDS, STEP_KINDS, save_last_cad
 from footscan.shoelast.dimensions import dimensions
 from footscan.shoelast.drawing import SPACING_MM, save_last_dxf
 from footscan.shoelast.engraving import engrave
+from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.family_index import member_of_id
 from footscan.shoelast.handed import mirrored_mesh
+from footscan.shoelast.library import LastLibrary
 from footscan.shoelast.mesh_out import OutMesh, Stub, mesh_of_last, save_last_mesh
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.nurbs_out import load_last_json, save_last_json
@@ -59,6 +62,25 @@ def load_custom(folder: Path) -> Shoelast:
         MeshError: None there, or damaged.
     """
     return load_last_json(folder / CUSTOM)
+
+
+def last_to_export(library: LastLibrary, what: str, stub: bool) -> Shoelast:
+    """The last that a command names: an id of the library, or a folder made by `lasts customise`.
+
+    A built-in last is built with a chuck stub when one is wanted.
+
+    Raises:
+        InputError: No such id, or a damaged file.
+        MeshError: The folder holds no customised last, or a damaged one.
+    """
+    folder = Path(what)
+    if (folder / CUSTOM).is_file() or (folder.is_dir() and not library.versions(what)):
+        return load_custom(folder)
+    member = member_of_id(what) if stub and not library.versions(what) else None
+    if member is None:
+        return library.load(what)
+    kind = (member.style, member.size_eu, member.fitting, member.pitch_mm, member.toe, member.side)
+    return build_shoelast(*kind, stub=True)
 
 
 def export_last(shoelast: Shoelast, path: Path, wish: ExportWish | None = None) -> Exported:
