@@ -1,6 +1,7 @@
 """The only module that chooses real, emulated or simulated devices, by what a rig file says."""
 
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from footscan.config.device_models import (
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.devices.clock import Clock, MonotonicClock
+from footscan.devices.diagnosis import Finding
 from footscan.devices.drivers import open_camera, open_encoder, open_io
 from footscan.devices.pictures import View
 from footscan.devices.protocols import Camera, DigitalIo, Encoder
@@ -41,6 +43,8 @@ from footscan.sim.obstacles import build_obstacle
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
 from footscan.sim.standing import BoardStanding, Standing
 from footscan.sim.world import World, WorldSettings
+from footscan.workflow.doctor import examine_drivers, examine_open_devices
+from footscan.workflow.drill import Drill
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import build_tables
 from footscan.workflow.served_rig import ServedRig, served_rig
@@ -60,7 +64,7 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
     model = rig.devices.world
     if rig.devices.simulated and model is None:
         raise ConfigError(f"{rig.path}: simulated devices need a table [devices.world] that says what they look at.")
-    clock: Clock = VirtualClock() if model is not None and model.time == "fast" else MonotonicClock()
+    clock = _clock(model)
     if model is None:
         with ExitStack() as opening:
             return OpenedRig(
@@ -86,6 +90,12 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
         )
 
 
+def _clock(model: WorldModel | None) -> Clock:
+    if model is None or model.time == "real":
+        return MonotonicClock()
+    return VirtualClock(pace=model.pace if model.time == "paced" else None)
+
+
 def emulators(rig: Rig) -> EmulatedRig:
     """The emulators of a rig alone, switched on: whoever looks at them opens their ports.
 
@@ -93,6 +103,35 @@ def emulators(rig: Rig) -> EmulatedRig:
         ConfigError: The rig has no world they could live in.
     """
     return EmulatedRig(build_world(rig, "left", MonotonicClock()), rig.devices, rig.motion.frames_per_s)
+
+
+def examine_devices(rig: Rig) -> Iterator[Finding]:
+    """Every device of a rig that nothing else has open, in words; lasers and motor stay off."""
+    if rig.devices.emulated:
+        with closing(emulators(rig)) as emulated:
+            yield from examine_drivers(emulated.devices, rig, camera_view(rig), emulated.open_capture)
+    elif not rig.devices.simulated:
+        yield from examine_drivers(rig.devices, rig, camera_view(rig), capture_opener(rig))
+    else:
+        opened = open_rig(rig)
+        with closing(opened.devices.camera), closing(opened.devices.encoder), closing(opened.devices.io):
+            yield from examine_open_devices(opened.devices, rig.motion.frames_per_s)
+
+
+def build_drill(rig: Rig, seed: int, folder: Path) -> Drill:
+    """A drill of a simulated or emulated machine in a folder of its own.
+
+    Raises:
+        ConfigError: A real machine; nobody breaks that on purpose.
+    """
+    if rig.devices.world is None:
+        raise ConfigError(f"{rig.path} is a real machine; the drill breaks simulated and emulated ones only.")
+    if not rig.devices.emulated:
+        world = rig.devices.world.model_copy(update={"time": "fast"})
+        rig = replace(rig, devices=rig.devices.model_copy(update={"world": world}))
+    calibration = true_machine(rig).calibration
+    setup = SessionSetup(rig.scanner, rig.motion, calibration, build_tables(calibration))
+    return Drill(rig, open_rig, serve_emulators, setup, seed, folder)
 
 
 def serve_emulators(rig: Rig, folder: Path) -> AbstractContextManager[ServedRig]:

@@ -21,6 +21,7 @@ FootscanError
 |   |-- EmergencyStopError    the emergency stop is open
 |   |-- InterlockError        an output was asked for that is not allowed now
 |   `-- ThreadFailedError     a thread of the scan has ended unexpectedly
+|-- CancelledError            a person has cancelled it
 `-- QualityError              a result refused by a quality gate         exit status 4
     |-- EmptyScanError        no laser stripe, or too little of one
     `-- PoorFitError          a calibration whose residuals are too large
@@ -126,3 +127,7 @@ class EmptyScanError(QualityError):
 
 class PoorFitError(QualityError):
     """A calibration whose residuals are larger than allowed."""
+
+
+class CancelledError(FootscanError):
+    """A person has cancelled what was being done."""

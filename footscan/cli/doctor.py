@@ -1,7 +1,5 @@
 """`footscan doctor`."""
 
-from collections.abc import Iterator
-from contextlib import closing
 from typing import Annotated
 
 import typer
@@ -10,11 +8,10 @@ from footscan import app as rig_app
 from footscan.cli.console import STDOUT, print_json
 from footscan.cli.records_options import DataOption
 from footscan.cli.scan import RigOption, chosen_rig
-from footscan.config.rig_file import Rig
 from footscan.devices.diagnosis import Finding
 from footscan.errors import DeviceError
 from footscan.records.data_folder import SCANS, data_folder
-from footscan.workflow.doctor import examine_computer, examine_drivers, examine_open_devices
+from footscan.workflow.doctor import examine_computer
 
 _MARKS = {"good": "ok     ", "remark": "remark ", "trouble": "TROUBLE"}
 
@@ -37,7 +34,7 @@ def doctor(
     in_force, word = rig_app.calibration_in_force(chosen, folder)
     for finding in examine_computer(folder, folder / SCANS, in_force, word):
         tell(finding)
-    for finding in _devices(chosen):
+    for finding in rig_app.examine_devices(chosen):
         tell(finding)
     troubles = [finding for finding in found if finding.grade == "trouble"]
     if json_only:
@@ -47,15 +44,3 @@ def doctor(
     if troubles:
         more = f" ({len(troubles) - 1} more of such trouble)" if len(troubles) > 1 else ""
         raise DeviceError(f"{troubles[0].device}: {troubles[0].sentence}{more}")
-
-
-def _devices(rig: Rig) -> Iterator[Finding]:
-    if rig.devices.emulated:
-        with closing(rig_app.emulators(rig)) as emulated:
-            yield from examine_drivers(emulated.devices, rig, rig_app.camera_view(rig), emulated.open_capture)
-    elif not rig.devices.simulated:
-        yield from examine_drivers(rig.devices, rig, rig_app.camera_view(rig), rig_app.capture_opener(rig))
-    else:
-        opened = rig_app.open_rig(rig)
-        with closing(opened.devices.camera), closing(opened.devices.encoder), closing(opened.devices.io):
-            yield from examine_open_devices(opened.devices, rig.motion.frames_per_s)

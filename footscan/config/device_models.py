@@ -141,7 +141,9 @@ class WorldModel(Strict):
         seed: Which workshop built the machine; without it the machine is exactly as designed.
         person: Stands like a statue, calm (breathing and pulse), or restless (sways, drifts, twitches).
         obstacles: What else is in the way.
-        time: As fast as the wall clock, or as fast as this computer can.
+        time: As fast as the wall clock, as fast as this computer can, or paced: like the wall clock, but standing still
+            while a busy computer is behind, which spoils nothing.
+        pace: Simulated seconds per second when paced.
         mirror: Unix socket of another process that keeps a twin of the output module (for the drill of a killed
             program).
     """
@@ -151,7 +153,8 @@ class WorldModel(Strict):
     size: float = Field(default=1.0, ge=0.45, le=1.2)
     seed: int | None = Field(default=1, ge=0)
     person: Literal["statue", "calm", "restless"] = "calm"
-    time: Literal["real", "fast"] = "real"
+    time: Literal["real", "fast", "paced"] = "real"
+    pace: float = Field(default=1.0, gt=0.0, le=100.0)
     obstacles: Annotated[
         tuple[Literal["idle-leg", "handhold", "trouser-hem"], ...], BeforeValidator(tuple_from_list)
     ] = ()
@@ -198,5 +201,5 @@ class DevicesModel(Strict):
             yield f"two devices are on {named[-1]}, give each its own port"
         if self.emulated and self.world is None:
             yield 'a device is "emulated" but there is no [devices.world] for it to live in, add one'
-        if self.emulated and self.world is not None and self.world.time == "fast":
+        if self.emulated and self.world is not None and self.world.time != "real":
             yield 'emulated devices speak at their real speed, set time = "real" in [devices.world]'

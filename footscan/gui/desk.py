@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from footscan.errors import FootscanError
+from footscan.errors import CancelledError, FootscanError
 from footscan.gui import texts
 from footscan.gui.state import Job, PageState
 
@@ -32,6 +32,8 @@ class Desk:
         self._commands: queue.Queue[Command | None] = queue.Queue()
         self._jobs: queue.Queue[Command | None] = queue.Queue()
         self._listeners: list[Callable[[PageState], None]] = []
+        self._cancelled = threading.Event()
+        self._stop_job: Command = lambda: None
         self._threads = [
             threading.Thread(name="desk", target=self._work, args=(self._commands,), daemon=True),
             threading.Thread(name="jobs", target=self._work, args=(self._jobs,), daemon=True),
@@ -73,6 +75,7 @@ class Desk:
         work: Callable[[Progress], Made],
         then: Callable[[Made], None],
         failed: Callable[[FootscanError], None] | None = None,
+        stop: Command = lambda: None,
     ) -> bool:
         """Do something long on the other thread; False when something else is running.
 
@@ -81,13 +84,22 @@ class Desk:
             work: Called with a progress callback, on the jobs' thread.
             then: Called with what was made, on the desk's thread.
             failed: Called with a refusal, on the desk's thread; None only says it.
+            stop: Called when somebody cancels, at once; work that tells its progress is stopped there in any case.
         """
         if self.state.job is not None:
             self.say(texts.WORKING, texts.BUSY, wrong=True)
             return False
+        self._cancelled.clear()
+        self._stop_job = stop
         self.change(job=Job(words))
         self._jobs.put(lambda: self._do(words, work, then, failed))
         return True
+
+    def cancel(self) -> None:
+        """Stop what is running, as soon as it can be; any thread."""
+        if self.state.job is not None:
+            self._cancelled.set()
+            self._stop_job()
 
     def _do(
         self,
@@ -96,8 +108,13 @@ class Desk:
         then: Callable[[Made], None],
         failed: Callable[[FootscanError], None] | None,
     ) -> None:
+        def tell(done: int, total: int) -> None:
+            if self._cancelled.is_set():
+                raise CancelledError(texts.CANCELLED.format(what=words))
+            self.post(lambda: self._progress(Job(words, done, total)))
+
         try:
-            made = work(lambda done, total: self.post(lambda: self._progress(Job(words, done, total))))
+            made = work(tell)
         except FootscanError as err:
             self.post(lambda err=err: self._end(lambda: self._failed(err, failed)))
         except Exception as err:  # noqa: BLE001 - the page goes on, and says so

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import viser
 
-from footscan.scanning.session.control import Session
+from footscan.gui.station import Station
 
 ASK_EVERY_S = 0.5
 PATIENCE_S = 3.0
@@ -21,20 +21,20 @@ class Heartbeat(threading.Thread):
     """Asks until `finish`."""
 
     def __init__(
-        self, session: Session, holder: Callable[[], viser.ClientHandle | None], patience_s: float = PATIENCE_S
+        self, station: Station, holder: Callable[[], viser.ClientHandle | None], patience_s: float = PATIENCE_S
     ) -> None:
         super().__init__(name="heartbeat", daemon=True)
-        self._session, self._holder, self._patience_s = session, holder, patience_s
+        self._station, self._holder, self._patience_s = station, holder, patience_s
         self._finished = threading.Event()
 
     def run(self) -> None:
         """Ask, and tell the machine."""
-        self._session.watch(self._patience_s)
+        self._station.session.watch(self._patience_s)
         while not self._finished.wait(ASK_EVERY_S):
             client = self._holder()
             if client is None or not _answers(client, self._patience_s):
                 continue
-            self._session.watch(self._patience_s)
+            self._station.session.watch(self._patience_s)
 
     def finish(self) -> None:
         """End after the current question."""

@@ -3,18 +3,23 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import trimesh
 
+from footscan.config.recording_file import Subject
 from footscan.coordinates import Floats
 from footscan.errors import InputError
+from footscan.foot.measurements import measurements_json
 from footscan.foot.sections import Section, measure_cut, plane_axes
 from footscan.foot.shell import Shell, shell_from_mesh
 from footscan.foot.surface_files import load_surface_ply
+from footscan.gui import texts
 from footscan.gui.station import Station
 from footscan.records import Take
+from footscan.scanning.point_file import load_points
+from footscan.workflow.foot import FootSettings, measure_scan
 
 _HEIGHT_MM = 30.0
 """Above the board: where a tilted plane turns about."""
@@ -43,6 +48,23 @@ class InspectedFoot:
     measurements: dict[str, Any]
 
 
+@dataclass(frozen=True)
+class TriedFoot:
+    """A foot measured again with filtering and smoothing, on a copy.
+
+    Attributes:
+        take_id: Of the take.
+        foot: The copy.
+        words: What was tried.
+        price: `before` and `after`: name -> value.
+    """
+
+    take_id: int
+    foot: InspectedFoot
+    words: str
+    price: dict[str, dict[str, float]]
+
+
 def open_foot(station: Station, take: Take) -> InspectedFoot:
     """Read the foot of a take.
 
@@ -60,6 +82,33 @@ def open_foot(station: Station, take: Take) -> InspectedFoot:
     except (OSError, ValueError, KeyError, TypeError) as err:
         raise InputError(f"{folder} holds no complete measurements ({err!r}); measure the take again.") from err
     return InspectedFoot(take, folder, mesh, shell_from_mesh(mesh), foot_from_world, length_mm, content["measurements"])
+
+
+def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
+    """Measure the stored points of a take again, filtered and smoothed; nothing is kept.
+
+    Raises:
+        InputError: The files of the take are damaged.
+        MeshError: The points are no foot any more.
+    """
+    take = foot.take
+    assert take.result is not None
+    cloud = load_points(foot.folder / "points.ply")
+    subject = Subject(load=take.said.load, absent=take.missing)
+    marks = {mark.name: mark.xyz_world for mark in take.landmarks}
+    made = measure_scan(cloud, take.said.side, subject, settings, marks)
+    values = measurements_json(made.measurements)
+    copy = InspectedFoot(
+        take,
+        foot.folder,
+        made.mesh,
+        shell_from_mesh(made.mesh),
+        made.measurements.foot_from_input,
+        float(made.measurements["foot_length"].value or foot.length_mm),
+        cast("dict[str, Any]", values["measurements"]),
+    )
+    words = texts.SMOOTH_TRIED.format(filter=settings.filter_strength, smooth=settings.smooth_mm)
+    return TriedFoot(take.id, copy, words, made.price)
 
 
 def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) -> Section:

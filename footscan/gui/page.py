@@ -1,8 +1,9 @@
-"""The page: camera on the left, 3-D in the middle, machine and tasks on the right."""
+"""The page: camera on the left, 3-D in the middle; STOP, the machine's state and the task tabs on the right."""
 
 import logging
 import threading
 import time
+from collections.abc import Callable
 
 import viser
 
@@ -16,18 +17,30 @@ from footscan.gui.logbook import Logbook
 from footscan.gui.panel_camera import CameraPanel
 from footscan.gui.panel_machine import MachinePanel
 from footscan.gui.station import Station
+from footscan.gui.tab import Tab, Tools
+from footscan.gui.tab_calibrate import CalibrateTab
 from footscan.gui.tab_inspect import InspectTab
 from footscan.gui.tab_patient import PatientTab
 from footscan.gui.tab_scan import ScanTab
 from footscan.gui.tab_system import SystemTab
 from footscan.gui.view_foot import FootView
 from footscan.gui.visit import PatientWork
+from footscan.gui.visit_calibrate import CalibrationWork
 from footscan.gui.visit_result import ResultWork
 from footscan.gui.visit_scan import ScanWork
 from footscan.scanning.session.states import BUSY
 
 TICKS_PER_S = 12.0
-_CAMERA_PX, _TASKS_PX, _MACHINE_PX = 350.0, 390.0, 236.0
+TABS: tuple[tuple[str, viser.IconName, Callable[[Tools], Tab]], ...] = (
+    (texts.TAB_PATIENT, viser.Icon.USER, PatientTab),
+    (texts.TAB_SCAN, viser.Icon.SCAN, ScanTab),
+    (texts.TAB_INSPECT, viser.Icon.RULER, InspectTab),
+    (texts.TAB_CALIBRATE, viser.Icon.GRID_DOTS, CalibrateTab),
+    (texts.TAB_SYSTEM, viser.Icon.SETTINGS, SystemTab),
+)
+_CAMERA_PX, _TASKS_PX = 340.0, 430.0
+_LAST = 1e9
+"""The tabs come after what each browser is told of its own."""
 _LOG = logging.getLogger(__name__)
 
 
@@ -44,7 +57,7 @@ class Page:
         self._buttons: dict[int, viser.GuiButtonHandle] = {}
         self._build()
         guard(server.gui, self._may, self._refused)
-        self._heartbeat = Heartbeat(station.session, self._holder, patience_s)
+        self._heartbeat = Heartbeat(station, self._holder, patience_s)
         self._ticker = threading.Thread(name="page", target=self._tick_on, daemon=True)
         server.on_client_connect(self._come)
         server.on_client_disconnect(self._go)
@@ -52,13 +65,13 @@ class Page:
     def start(self) -> None:
         """Show it, and keep it up to date."""
         self.desk.start()
-        self.desk.post(lambda: self._patients.find(""))
+        self.desk.post(lambda: self._tools.patients.find(""))
         self._heartbeat.start()
         self._ticker.start()
 
     def close(self) -> None:
         """End all threads; the server and the station are closed by who opened them."""
-        self.station.session.post_cancel("footscan is being closed")
+        self.station.session.post_cancel(texts.CLOSING)
         self._finished.set()
         self._heartbeat.finish()
         self.desk.close()
@@ -68,37 +81,30 @@ class Page:
 
     def _build(self) -> None:
         server, desk, station, gui = self.server, self.desk, self.station, self.server.gui
-        self._patients, self._scan = PatientWork(desk, station), ScanWork(desk, station)
-        result = ResultWork(desk, station)
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 96, 128))
-        self.view = FootView(server, station.session)
-        machine, camera = gui.add_panel(), gui.add_panel()
-        self._machine_tab = machine.add_tab(texts.TITLE, viser.Icon.ACTIVITY)
-        with self._machine_tab:
-            self.machine = MachinePanel(server, desk, station)
+        self.view = FootView(server, station)
+        calibration = CalibrationWork(desk, station)
+        scan, result = ScanWork(desk, station, self.view, calibration), ResultWork(desk, station)
+        patients = PatientWork(desk, station)
+        self._tools = Tools(server, desk, station, self.view, self.log, patients, scan, result, calibration)
+        camera = gui.add_panel()
         with camera.add_tab(texts.CAMERA, viser.Icon.CAMERA):
-            self.camera = CameraPanel(server, desk, station.session, self._scan)
-        tabs = gui.add_tab_group()
-        with tabs.add_tab(texts.TAB_PATIENT, viser.Icon.USER):
-            patient = PatientTab(gui, desk, self._patients)
-        with tabs.add_tab(texts.TAB_SCAN, viser.Icon.SCAN):
-            self.scan = ScanTab(gui, desk, station, self._scan, result)
-        with tabs.add_tab(texts.TAB_INSPECT, viser.Icon.RULER):
-            self.inspect = InspectTab(gui, desk, station, self.view)
-        with tabs.add_tab(texts.TAB_SYSTEM, viser.Icon.SETTINGS):
-            self.system = SystemTab(gui, desk, station, self.log)
-        self._place(machine, camera)
-        for part in (self.camera, patient, self.scan, self.inspect):
-            desk.listen(part.show)
-
-    def _place(self, machine: viser.PanelHandle, camera: viser.PanelHandle) -> None:
-        main = self.server.gui.main_panel
-        main.dock_right()
-        main.set_width(_TASKS_PX)
-        machine.dock_above(main)
-        machine.set_height(_MACHINE_PX)
+            self.camera = CameraPanel(server, desk, station, scan)
+        self.machine = MachinePanel(server, desk, station)
+        self._tabs = self._add_tabs(gui.add_tab_group(order=_LAST))
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(_TASKS_PX)
         camera.dock_left()
         camera.set_width(_CAMERA_PX)
+        for part in (self.camera, *self._tabs):
+            desk.listen(part.show)
+
+    def _add_tabs(self, group: viser.GuiTabGroupHandle) -> list[Tab]:
+        tabs: list[Tab] = []
+        for label, icon, make in TABS:
+            with group.add_tab(label, icon):
+                tabs.append(make(self._tools))
+        return tabs
 
     def _tick_on(self) -> None:
         while not self._finished.wait(1.0 / TICKS_PER_S):
@@ -112,12 +118,12 @@ class Page:
         if self.keys.wait_out(snapshot.state in BUSY or self.desk.state.job is not None):
             self._show_keys()
         self.machine.tick(snapshot)
-        self.scan.tick(snapshot)
+        self.log.note_state(snapshot)
+        for tab in self._tabs:
+            tab.tick(snapshot)
         if self.server.get_clients():
             self.camera.tick()
-            self.view.tick()
-        self.log.note_state(snapshot)
-        self.system.tick()
+            self.view.tick(snapshot)
 
     def _holder(self) -> viser.ClientHandle | None:
         holder = self.keys.holder
@@ -154,9 +160,8 @@ class Page:
 
     def _greet(self, client: viser.ClientHandle) -> None:
         """Each browser has its own words on who controls, and its own button to ask for it."""
-        with self._machine_tab:
-            self._banners[client.client_id] = client.gui.add_html("")
-            button = client.gui.add_button(texts.TAKE_OVER, icon=viser.Icon.KEY)
+        self._banners[client.client_id] = client.gui.add_html("")
+        button = client.gui.add_button(texts.TAKE_OVER, icon=viser.Icon.KEY)
         self._buttons[client.client_id] = button
         on_press(self.desk, button, self._take_over)
         self._show_keys()

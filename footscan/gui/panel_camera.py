@@ -13,8 +13,8 @@ from footscan.gui.binding import on_value, put
 from footscan.gui.desk import Desk
 from footscan.gui.live_picture import KINDS, LivePicture, brightness_curve, draw_live, row_curve
 from footscan.gui.state import CameraChoice, PageState
+from footscan.gui.station import Station
 from footscan.gui.visit_scan import ScanWork
-from footscan.scanning.session.control import Session
 from footscan.scanning.stripe import StripeFinder
 
 _HOLD_HZ = 10.0
@@ -24,12 +24,12 @@ _CURVES_EVERY = 4
 class CameraPanel:
     """Handles of the panel, and what they show."""
 
-    def __init__(self, server: viser.ViserServer, desk: Desk, session: Session, scan: ScanWork) -> None:
-        self._desk, self._session, self._scan = desk, session, scan
+    def __init__(self, server: viser.ViserServer, desk: Desk, station: Station, scan: ScanWork) -> None:
+        self._desk, self._station, self._scan = desk, station, scan
         self._finder = StripeFinder()
         self._drawn: tuple[int, CameraChoice] | None = None
         self._turn = 0
-        gui, facts = server.gui, session.facts
+        gui, facts = server.gui, station.session.facts
         blank = np.full((facts.height_px, facts.width_px, 3), 40, np.uint8)
         self._image = gui.add_image(blank, format="jpeg", jpeg_quality=80)
         self._kind = gui.add_button_group(texts.PICTURE, KINDS)
@@ -76,7 +76,7 @@ class CameraPanel:
 
     def tick(self) -> None:
         """Draw the newest frame, if it or the choice is new."""
-        newest, choice = self._session.grabber.latest, self._desk.state.camera
+        newest, choice = self._station.session.grabber.latest, self._desk.state.camera
         if newest is None or self._drawn == (newest.number, choice):
             return
         self._drawn = (newest.number, choice)

@@ -1,4 +1,4 @@
-"""The panel that is always there: the machine's state, its calibration, the disk, STOP, and who controls."""
+"""What is always there: STOP, the machine's state, its calibration, the disk. It stays when the tabs below scroll."""
 
 import html
 import shutil
@@ -9,28 +9,34 @@ import viser
 from footscan.gui import texts
 from footscan.gui.binding import on_press, put
 from footscan.gui.desk import Desk
+from footscan.gui.state import Job
 from footscan.gui.station import Station
 from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.calibration_log import OLDEST_DAYS
 
-_LARGE = (
-    "<style>.mantine-Button-root{{min-height:34px}} "
-    '[id="{stop}"],[id="{stop}"] .mantine-Button-root{{min-height:48px;font-size:19px;font-weight:700}}</style>'
-)
-"""Targets a hand can hit; viser has no size of its own for buttons."""
-_RED, _AMBER, _GREEN, _GREY = "#c81e1e", "#a85b00", "#176b2c", "#555"
+_STYLE = """<style>
+.mantine-Button-root {{ min-height: 34px }}
+[id="{stop}"] {{ min-height: 50px; font-size: 19px; font-weight: 700 }}
+div:has(> [id="{stop}"]) {{ position: sticky; top: 0; z-index: 60; background: white; padding-top: 6px }}
+div:has(> [data-footscan="state"]) {{ position: sticky; top: 62px; z-index: 60; background: white }}
+</style>"""
+"""Targets a hand can hit, and a head that does not scroll away; viser has neither."""
+_BAR = "height:9px;border-radius:4px"
+_RED, _AMBER, _GREY = "#c81e1e", "#a85b00", "#444"
 
 
 class MachinePanel:
-    """The state line and STOP."""
+    """STOP and the state line."""
 
     def __init__(self, server: viser.ViserServer, desk: Desk, station: Station) -> None:
         self._desk, self._station = desk, station
-        self._line = server.gui.add_html("")
-        self.stop = server.gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
-        self._reset = server.gui.add_button(texts.RESET, hint=texts.RESET_HINT, visible=False)
-        server.gui.add_html(_LARGE.format(stop=self.stop._impl.uuid))  # pyright: ignore[reportPrivateUsage]
-        command = server.gui.add_command(texts.STOP_HOTKEY_LABEL, hotkey="X")
+        gui = server.gui
+        self.stop = gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
+        self._line = gui.add_html("")
+        self._cancel = gui.add_button(texts.CANCEL, hint=texts.CANCEL_HINT, icon=viser.Icon.X, visible=False)
+        self._reset = gui.add_button(texts.RESET, hint=texts.RESET_HINT, visible=False)
+        gui.add_html(_STYLE.format(stop=self.stop._impl.uuid))  # pyright: ignore[reportPrivateUsage]
+        command = gui.add_command(texts.STOP_HOTKEY_LABEL, hotkey="X")
 
         @self.stop.on_click
         async def _(_: Any) -> None:
@@ -42,34 +48,79 @@ class MachinePanel:
 
         on_press(desk, self._reset, lambda _: self._put_right())
 
+        @self._cancel.on_click
+        async def _(_: Any) -> None:
+            desk.cancel()
+
     def _put_right(self) -> None:
         self._station.session.post_reset().wait(10.0)
 
     def tick(self, snapshot: Snapshot) -> None:
         """Show the machine as it is now."""
-        put(self._line, content=state_line(snapshot, self._station))
-        fault = snapshot.state is State.FAULT or not snapshot.estop_ok
-        put(self._reset, visible=fault)
+        job = self._desk.state.job
+        put(self._line, content=state_line(snapshot, self._station, job))
+        put(self._cancel, visible=job is not None)
+        put(self._reset, visible=snapshot.state is State.FAULT or not snapshot.estop_ok)
 
 
-def state_line(snapshot: Snapshot, station: Station) -> str:
-    """The machine's state as HTML."""
-    colour = _RED if snapshot.state is State.FAULT or not snapshot.estop_ok else _GREY
-    message = snapshot.message or snapshot.state.value
-    chips = [_chip(texts.SIMULATED, _AMBER)] if station.put_on_board is not None else []
-    if snapshot.lasers:
-        chips.append(_chip(texts.LASER_ON.format(lasers=" + ".join(snapshot.lasers)), _RED))
-    if snapshot.armed:
-        chips.append(_chip(texts.ARMED, _AMBER))
+def state_line(snapshot: Snapshot, station: Station, job: Job | None) -> str:
+    """The machine's state as HTML; red all over while a laser shines."""
+    wrong = snapshot.state is State.FAULT or not snapshot.estop_ok
+    message = html.escape(snapshot.message or snapshot.state.value)
     head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
     free = shutil.disk_usage(station.data).free / 1e9
     facts = f"{head} · {_calibration_words(station)} · {texts.DISK_FREE.format(gigabytes=free)}"
     return (
-        f'<div role="status" style="padding:0 1em;font-size:14px;line-height:1.45">'
-        f'<div style="font-weight:600;color:{colour}">{html.escape(message)}</div>'
-        f'<div style="min-height:22px">{" ".join(chips)}</div>'
-        f'<div style="font-size:12.5px;color:#555">{facts}</div></div>'
+        f'<div role="status" data-footscan="state" style="padding:0 1em 4px;font-size:14px;line-height:1.4;'
+        f'border-bottom:1px solid #ddd">{_laser_banner(snapshot)}'
+        f'<div style="font-weight:600;color:{_RED if wrong else _GREY};max-height:5.6em;overflow-y:auto">{message}'
+        f'</div><div style="font-size:12.5px;color:#555">{_chips(snapshot, station)} {facts}</div>'
+        f"{_job_bar(snapshot, job)}</div>"
     )
+
+
+def _laser_banner(snapshot: Snapshot) -> str:
+    if not snapshot.lasers:
+        return ""
+    words = texts.LASER_ON.format(lasers=" + ".join(snapshot.lasers))
+    return (
+        f'<div style="background:{_RED};color:white;font-weight:700;font-size:16px;text-align:center;'
+        f'border-radius:4px;padding:3px">{html.escape(words)}</div>'
+    )
+
+
+def _job_bar(snapshot: Snapshot, job: Job | None) -> str:
+    """What is being done, how far it is, and how long it will take where that is known."""
+    if job is None:
+        return ""
+    percent, words = job_words(snapshot, job)
+    return (
+        f'<div style="font-weight:700;font-size:16px;margin-top:3px">{html.escape(words)}</div>'
+        f'<div role="progressbar" aria-valuenow="{percent:.0f}" style="{_BAR};background:#e4e8ea">'
+        f'<div style="{_BAR};width:{percent:.1f}%;background:#006080"></div></div>'
+    )
+
+
+def job_words(snapshot: Snapshot, job: Job) -> tuple[float, str]:
+    """Percent done, and what the operator reads."""
+    if snapshot.state is State.COUNTDOWN:
+        return 0.0, texts.STAND_STILL.format(seconds=snapshot.remaining_s + 0.5)
+    if snapshot.state is State.SCANNING:
+        percent = 100.0 * snapshot.progress
+        frames = snapshot.frames.captured
+        return percent, texts.REMAINING.format(percent=percent, seconds=snapshot.remaining_s, frames=frames)
+    if snapshot.state is State.CALIBRATING:
+        return 100.0 * snapshot.progress, texts.STOPS.format(what=job.words, percent=100.0 * snapshot.progress)
+    if job.total:
+        return 100.0 * job.done / job.total, texts.PROCESSING.format(what=job.words, done=job.done, total=job.total)
+    return 0.0, f"{job.words} ..."
+
+
+def _chips(snapshot: Snapshot, station: Station) -> str:
+    chips = [_chip(texts.SIMULATED)] if station.simulated else []
+    if snapshot.armed:
+        chips.append(_chip(texts.ARMED))
+    return " ".join(chips)
 
 
 def _calibration_words(station: Station) -> str:
@@ -78,13 +129,15 @@ def _calibration_words(station: Station) -> str:
     days = station.calibration_days()
     if days is None:
         return texts.CALIBRATION_UNDATED
+    why = html.escape("; ".join(station.notes))
     if days > OLDEST_DAYS:
-        return f'<b style="color:{_AMBER}">{texts.CALIBRATION_OLD.format(days=days)}</b>'
-    return texts.CALIBRATION_AGE.format(days=days)
+        return f'<b style="color:{_AMBER}" title="{why}">{texts.CALIBRATION_OLD.format(days=days)}</b>'
+    words = texts.CALIBRATION_TODAY if days < 1 else texts.CALIBRATION_AGE.format(days=days)
+    return f'<b style="color:{_AMBER}" title="{why}">{words}, {texts.CALIBRATION_DOUBT}</b>' if why else words
 
 
-def _chip(words: str, colour: str) -> str:
+def _chip(words: str) -> str:
     return (
-        f'<span style="background:{colour};color:white;border-radius:4px;padding:1px 7px;font-size:12px;'
-        f'font-weight:600">{html.escape(words)}</span>'
+        f'<span style="background:{_AMBER};color:white;border-radius:4px;padding:1px 7px;font-size:12px;'
+        f'font-weight:600;white-space:nowrap">{html.escape(words)}</span>'
     )

@@ -6,9 +6,14 @@ from typing import Any, Literal
 
 from footscan.config.recording_file import Load, Surface
 from footscan.coordinates import LaserName, Side
+from footscan.devices.diagnosis import Finding as Examined
+from footscan.gui.inspected import TriedFoot
 from footscan.gui.live_picture import Kind
 from footscan.records import Patient, Take
 from footscan.scanning.session.states import Finding
+from footscan.workflow.drill_result import DrillResult
+from footscan.workflow.guided_calibration import PlacementReport
+from footscan.workflow.scan import StoredScan
 
 Step = Literal["idle", "checked", "result"]
 """Of the operator's scan; what is being done meanwhile is the running job's business."""
@@ -58,7 +63,7 @@ class CameraChoice:
 
 @dataclass(frozen=True)
 class InspectChoice:
-    """What is looked at."""
+    """What is looked at; `tried` is a filtered and smoothed copy that is shown instead."""
 
     take_id: int | None = None
     shown: Shown = "Shaded"
@@ -66,6 +71,30 @@ class InspectChoice:
     share: float = 0.5
     turn_deg: float = 0.0
     tilt_deg: float = 0.0
+    tried: TriedFoot | None = None
+
+
+@dataclass(frozen=True)
+class CalibrationChoice:
+    """Where the calibration of the machine has got to.
+
+    Attributes:
+        folder: Of the recording in the making or last finished.
+        placements: What each placement of the board showed.
+        expected: What a calibration from the recording so far would promise.
+        enough: It would be good enough.
+        recorded: The recording is finished and can be computed.
+        made: Where a new calibration lies that is not in force.
+        lines: What is said of it.
+    """
+
+    folder: Path | None = None
+    placements: tuple[PlacementReport, ...] = ()
+    expected: str = ""
+    enough: bool = False
+    recorded: bool = False
+    made: Path | None = None
+    lines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -86,7 +115,11 @@ class PageState:
         inspect: Of the Inspect tab.
         job: What runs.
         note: The last thing said in the Scan tab.
-        calibrated: Where a new calibration lies that is not in force, and what is said of it.
+        kept: Scans that were never filed.
+        calibration: Of the Calibrate tab.
+        examined: What the last look at all devices found.
+        drilled: What the last drill of the machine measured.
+        records_drill: What the last drill of the records found.
     """
 
     operator: str = ""
@@ -102,7 +135,11 @@ class PageState:
     inspect: InspectChoice = field(default_factory=InspectChoice)
     job: Job | None = None
     note: str = ""
-    calibrated: tuple[Path, tuple[str, ...]] | None = None
+    kept: tuple[StoredScan, ...] = ()
+    calibration: CalibrationChoice = field(default_factory=CalibrationChoice)
+    examined: tuple[Examined, ...] = ()
+    drilled: tuple[DrillResult, ...] = ()
+    records_drill: str = ""
 
     @property
     def next_side(self) -> Side | None:

@@ -1,49 +1,62 @@
 """The station: machine, records and data folder that one page works with."""
 
-from collections.abc import Callable, Generator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from collections.abc import Generator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
 from footscan import app
 from footscan.config.rig_file import Rig
-from footscan.coordinates import Side
+from footscan.devices.diagnosis import Finding
 from footscan.optics.calibration import Calibration
 from footscan.records import RecordStore
 from footscan.records.data_folder import SCANS
 from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan, plan_scan
+from footscan.workflow.calibration_log import machine_name, read_log, reminders
+from footscan.workflow.doctor import examine_computer
+from footscan.workflow.opened_rig import OpenedRig
 
 CALIBRATION_RECORDINGS = "calibration-recordings"
 
 
-@dataclass(frozen=True)
 class Station:
-    """An open machine with its records.
+    """An open machine with its records; `with` it, or `close` it.
 
     Attributes:
         rig: Its file.
-        session: The control thread.
         store: Patients and takes.
         data: The data folder.
+        opened: The devices; others after `reopen`.
+        session: The control thread; another one after `reopen`.
         calibration: In force; None when there is none.
         calibration_words: Where it comes from.
-        put_on_board: Lets another foot step on to a simulated board; None on a real machine.
+        notes: What speaks against relying on the calibration.
     """
 
-    rig: Rig
-    session: Session
-    store: RecordStore
-    data: Path
-    calibration: Calibration | None
-    calibration_words: str
-    put_on_board: Callable[[Side], None] | None
+    def __init__(self, rig: Rig, data: Path, store: RecordStore) -> None:
+        self.rig, self.data, self.store = rig, data, store
+        self.calibration: Calibration | None
+        self.calibration_words: str
+        self.notes: tuple[str, ...]
+        self.opened: OpenedRig
+        self.session: Session
+        self._open()
 
     @property
     def scans(self) -> Path:
         """Where scans lie until they are filed."""
         return self.data / SCANS
+
+    @property
+    def calibration_recordings(self) -> Path:
+        """Where recordings of the calibration board lie."""
+        return self.data / CALIBRATION_RECORDINGS
+
+    @property
+    def simulated(self) -> bool:
+        """No laser and no motor is real."""
+        return self.opened.world is not None
 
     @property
     def profiles(self) -> tuple[str, ...]:
@@ -54,7 +67,7 @@ class Station:
         """What a scan with a profile will be.
 
         Raises:
-            ValueError: No such profile.
+            InputError: No such profile.
         """
         return plan_scan(self.rig.motion, self.rig.profile(profile or None), self.session.facts, self.rig.scanner)
 
@@ -68,6 +81,55 @@ class Station:
             return None
         return (datetime.now(UTC) - made.astimezone(UTC)).days
 
+    def reopen(self) -> None:
+        """Close the machine and open it again, with the calibration that is in force now; nothing may be running.
+
+        Raises:
+            DeviceError: A device is missing or in trouble.
+            ConfigError: The calibration in force is damaged.
+        """
+        self.session.close()
+        self.opened.give_back()
+        self._open()
+
+    def examine(self) -> list[Finding]:
+        """Close the machine, look at every device and at the disk as `footscan doctor` does, and open it again.
+
+        Raises:
+            DeviceError: The machine cannot be opened again; nothing is on.
+        """
+        self.session.close()
+        self.opened.give_back()
+        found = list(examine_computer(self.data, self.scans, self.calibration, self.calibration_words))
+        try:
+            found += app.examine_devices(self.rig)
+        finally:
+            self._open()
+        return found
+
+    def close(self) -> None:
+        """Lasers and motor off, devices given back; safe to call twice."""
+        self.session.close()
+        self.opened.give_back()
+
+    def _open(self) -> None:
+        self.calibration, self.calibration_words = app.calibration_in_force(self.rig, self.data)
+        self.notes = _notes(self.data, self.calibration)
+        opened = app.open_rig(self.rig)
+        try:
+            self.session = app.start_session(opened, self.calibration)
+        except BaseException:
+            opened.give_back()
+            raise
+        self.opened = opened
+
+
+def _notes(data: Path, calibration: Calibration | None) -> tuple[str, ...]:
+    """Reminders; the truth of a simulated machine has no date and needs none."""
+    if calibration is None or not calibration.created:
+        return ()
+    return tuple(reminders(calibration, read_log(data, machine_name(calibration)), datetime.now(UTC)))
+
 
 @contextmanager
 def open_station(rig: Rig, data: Path) -> Generator[Station]:
@@ -78,11 +140,9 @@ def open_station(rig: Rig, data: Path) -> Generator[Station]:
         DeviceError: A device is missing or in trouble.
         ConfigError: The calibration in force is damaged.
     """
-    with ExitStack() as stack:
-        store = stack.enter_context(RecordStore(data))
-        calibration, words = app.calibration_in_force(rig, data)
-        opened = app.open_rig(rig)
-        stack.callback(opened.give_back)
-        session = app.start_session(opened, calibration)
-        stack.callback(session.close)
-        yield Station(rig, session, store, data, calibration, words, opened.put_on_board)
+    with RecordStore(data) as store:
+        station = Station(rig, data, store)
+        try:
+            yield station
+        finally:
+            station.close()

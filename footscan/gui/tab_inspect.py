@@ -1,7 +1,5 @@
 """The Inspect tab: a foot to turn, maps with a legend, a section at any plane, measurements, downloads."""
 
-import html
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,12 +8,13 @@ import viser
 from footscan.errors import FootscanError, MeshError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
-from footscan.gui.desk import Desk
-from footscan.gui.inspected import InspectedFoot, cut_at, open_foot, outline_svg
+from footscan.gui.inspected import InspectedFoot, cut_at, open_foot, outline_svg, try_smoothing
+from footscan.gui.measurement_tables import measurement_table, measurements_csv, price_table
 from footscan.gui.state import InspectChoice, PageState
-from footscan.gui.station import Station
-from footscan.gui.view_foot import FootView
+from footscan.gui.tab import Tools
 from footscan.records import Take
+from footscan.scanning.session.states import Snapshot
+from footscan.workflow.foot import FootSettings
 
 _KEPT_FEET = 4
 
@@ -23,45 +22,68 @@ _KEPT_FEET = 4
 class InspectTab:
     """Handles of the tab, and the feet it has opened."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, station: Station, view: FootView) -> None:
-        self._desk, self._station, self._view = desk, station, view
+    def __init__(self, tools: Tools) -> None:
+        gui = tools.server.gui
+        self._desk, self._station, self._view = tools.desk, tools.station, tools.view
         self._feet: dict[int, InspectedFoot] = {}
         self._drawn: tuple[Any, ...] | None = None
         self._cut: tuple[Any, ...] | None = None
         self._take = gui.add_dropdown(texts.TAKE, (texts.INSPECT_NONE,))
-        self._shown = gui.add_dropdown(texts.SHOW, texts.SHOW_KINDS)
-        self._beside = gui.add_checkbox(texts.OTHER_FOOT, False)
+        self._shown = gui.add_dropdown(texts.SHOW, texts.SHOW_KINDS, hint=texts.SHOW_HINT)
+        self._beside = gui.add_checkbox(texts.OTHER_FOOT, False, hint=texts.OTHER_FOOT_HINT)
         self._legend = gui.add_html("")
         with gui.add_folder(texts.SECTION):
             self._share = gui.add_slider(texts.SECTION_SHARE, 0, 100, 1, 50, hint=texts.SECTION_SHARE_HINT)
             self._turn = gui.add_slider(texts.SECTION_TURN, -90, 90, 1, 0, hint=texts.SECTION_TURN_HINT)
             self._tilt = gui.add_slider(texts.SECTION_TILT, -90, 90, 1, 0, hint=texts.SECTION_TILT_HINT)
             self._section = gui.add_html("")
-        self._table = gui.add_html("")
+        with gui.add_folder(texts.MEASUREMENTS):
+            self._table = gui.add_html("")
+        with gui.add_folder(texts.SMOOTHING, expand_by_default=False):
+            gui.add_html(_box(texts.SMOOTHING_WORDS))
+            self._filter = gui.add_slider(texts.FILTER, 0.0, 1.0, 0.1, 0.5, hint=texts.FILTER_HINT)
+            self._smooth = gui.add_slider(texts.SMOOTH, 0.0, 30.0, 1.0, 10.0, hint=texts.SMOOTH_HINT)
+            self._try = gui.add_button(texts.SMOOTH_GO, hint=texts.SMOOTH_GO_HINT)
+            self._price = gui.add_html("")
+            self._back = gui.add_button(texts.SMOOTH_BACK, hint=texts.SMOOTH_BACK_HINT, visible=False)
         with gui.add_folder(texts.DOWNLOADS):
-            self._download = gui.add_button_group("", tuple(texts.DOWNLOAD_NAMES))
+            self._download = gui.add_button_group(texts.FILE, tuple(texts.DOWNLOAD_NAMES), hint=texts.DOWNLOAD_HINT)
         self._bind()
 
     def _bind(self) -> None:
-        def choose(**values: Any) -> None:
-            self._desk.change(inspect=replace(self._desk.state.inspect, **values))
-
         desk = self._desk
-        on_value(desk, self._take, lambda words: choose(take_id=_take_id(words)))
-        on_value(desk, self._shown, lambda shown: choose(shown=shown))
-        on_value(desk, self._beside, lambda beside: choose(beside=beside))
-        on_value(desk, self._share, lambda percent: choose(share=percent / 100.0))
-        on_value(desk, self._turn, lambda degrees: choose(turn_deg=float(degrees)))
-        on_value(desk, self._tilt, lambda degrees: choose(tilt_deg=float(degrees)))
+        on_value(desk, self._take, lambda words: self._choose(take_id=_take_id(words), tried=None))
+        on_value(desk, self._shown, lambda shown: self._choose(shown=shown))
+        on_value(desk, self._beside, lambda beside: self._choose(beside=beside))
+        on_value(desk, self._share, lambda percent: self._choose(share=percent / 100.0))
+        on_value(desk, self._turn, lambda degrees: self._choose(turn_deg=float(degrees)))
+        on_value(desk, self._tilt, lambda degrees: self._choose(tilt_deg=float(degrees)))
+        on_press(desk, self._try, lambda _: self._try_smoothing())
+        on_press(desk, self._back, lambda _: self._choose(tried=None))
         on_press(desk, self._download, self._send)
+
+    def _choose(self, **values: Any) -> None:
+        self._desk.change(inspect=replace(self._desk.state.inspect, **values))
+
+    def tick(self, snapshot: Snapshot) -> None:
+        """Nothing here moves."""
 
     def show(self, state: PageState) -> None:
         """What the desk says."""
-        takes = [take for take in state.takes if take.result is not None and not take.result.refused]
+        takes = measured_takes(state)
         options = tuple(_words(take) for take in takes) or (texts.INSPECT_NONE,)
         chosen = next((take for take in takes if take.id == state.inspect.take_id), takes[0] if takes else None)
         put_options(self._take, options, options[0] if chosen is None else _words(chosen))
+        put(self._shown, value=state.inspect.shown)
+        put(self._beside, value=state.inspect.beside)
+        busy = state.job is not None
+        put(self._try, disabled=busy or chosen is None)
+        tried = state.inspect.tried
+        put(self._back, visible=tried is not None)
+        put(self._price, content="" if tried is None else _box(price_table(tried.words, tried.price)))
         foot = None if chosen is None else self._open(chosen)
+        if foot is not None and tried is not None and tried.take_id == foot.take.id:
+            foot = tried.foot
         self._draw(state, takes, foot)
         self._draw_section(state.inspect, foot)
 
@@ -78,21 +100,37 @@ class InspectTab:
                 del self._feet[old]
         return self._feet[key]
 
+    def _try_smoothing(self) -> None:
+        take = next((take for take in self._desk.state.takes if _words(take) == self._take.value), None)
+        foot = None if take is None else self._open(take)
+        if foot is None:
+            self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
+            return
+        settings = FootSettings(float(self._filter.value), float(self._smooth.value))
+        if settings == FootSettings():
+            self._desk.say(texts.FAILED, texts.SMOOTH_NOTHING, wrong=True)
+            return
+        self._desk.job(
+            texts.JOB_SMOOTH, lambda progress: try_smoothing(foot, settings), lambda tried: self._choose(tried=tried)
+        )
+
     def _draw(self, state: PageState, takes: list[Take], foot: InspectedFoot | None) -> None:
         """The feet, the legend and the table, when something about them is new."""
         choice = state.inspect
         running = state.job is not None and state.job.words in (texts.JOB_CHECK, texts.JOB_SCAN)
-        feet = [] if foot is None or running else [foot, *self._other(choice, takes, foot)]
+        preparing = running or state.step == "checked"  # the place is the next foot's
+        feet = [] if foot is None or preparing else [foot, *self._other(choice, takes, foot)]
         now = (tuple(id(each) for each in feet), choice.shown)
         if now == self._drawn:
             return
         self._drawn = now
         if feet:
             self._view.hide_cloud()
+            self._view.clear_placement()
         self._view.show_feet([each.mesh for each in feet], choice.shown)
         legend = {"Seen / assumed": texts.LEGEND_ORIGIN, "Distance to points": texts.LEGEND_RESIDUAL}
         put(self._legend, content=_box(legend.get(choice.shown, "")))
-        put(self._table, content=_box("" if foot is None else measurement_table(foot.measurements)))
+        put(self._table, content=_box(texts.INSPECT_NONE if foot is None else measurement_table(foot.measurements)))
 
     def _other(self, choice: InspectChoice, takes: list[Take], foot: InspectedFoot) -> list[InspectedFoot]:
         if not choice.beside:
@@ -130,36 +168,27 @@ class InspectTab:
         put(self._section, content=_box(f"{outline_svg(cut)}<div>{words}</div>"))
 
     def _send(self, client: viser.ClientHandle) -> None:
-        name = texts.DOWNLOAD_NAMES[self._download.value]
-        take = next((t for t in self._desk.state.takes if _words(t) == self._take.value), None)
-        if take is None or take.result is None:
+        take = next((take for take in self._desk.state.takes if _words(take) == self._take.value), None)
+        foot = None if take is None else self._open(take)
+        if foot is None:
             self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
             return
-        path = self._station.store.results_folder(take.result.id) / name
-        client.send_file_download(f"take-{take.id}-{take.said.side}-{name}", path.read_bytes(), save_immediately=True)
-
-
-def measurement_table(measurements: Mapping[str, Mapping[str, Any]]) -> str:
-    """All measurements with intervals and marks; a definition from the glossary is shown on hover."""
-    rows = "".join(_row(name, value) for name, value in measurements.items())
-    return f'<table style="width:100%;text-align:left;font-size:12.5px">{texts.MEASURE_HEAD}{rows}</table>'
-
-
-def _row(name: str, value: Mapping[str, Any]) -> str:
-    interval, number = value["interval"], value["value"]
-    shown = "-" if number is None else f"{number:.1f} {value['unit'] if value['unit'] != '1' else ''}"
-    span = "" if interval is None else f"{interval[0]:.1f} to {interval[1]:.1f}"
-    mark = "" if value["reliable"] else f'<span title="{html.escape(str(value["reason"]))}">⚠</span>'
-    mark += f'<span title="{html.escape(str(value["unusual"]))}">❗</span>' if value["unusual"] else ""
-    meaning = html.escape(texts.GLOSSARY.get(name, str(value["reason"])))
-    words = html.escape(name.replace("_", " "))
-    return f'<tr><td title="{meaning}">{words}</td><td>{shown}</td><td>{span}</td><td>{mark}</td></tr>'
+        name = texts.DOWNLOAD_NAMES[self._download.value]
+        table = name == texts.DOWNLOAD_NAMES[texts.DOWNLOAD_TABLE]
+        content = measurements_csv(foot.measurements) if table else (foot.folder / name).read_bytes()
+        file_name = f"take-{foot.take.id}-{foot.take.said.side}-{name}"
+        client.send_file_download(file_name, content, save_immediately=True)
 
 
 def _words(take: Take) -> str:
     day = take.said.recorded.astimezone().strftime("%Y-%m-%d %H:%M")
     used = f", {texts.IN_USE}" if take.in_use else ""
     return f"{texts.SIDES[take.said.side]} {day}{used}  #{take.id}"
+
+
+def measured_takes(state: PageState) -> list[Take]:
+    """Takes with a foot that can be looked at."""
+    return [take for take in state.takes if take.result is not None and not take.result.refused]
 
 
 def _take_id(words: str) -> int | None:

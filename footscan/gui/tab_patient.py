@@ -6,10 +6,11 @@ import viser
 
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
-from footscan.gui.desk import Desk
 from footscan.gui.state import PageState
-from footscan.gui.visit import PatientWork, chosen_from, patient_words
+from footscan.gui.tab import Tools
+from footscan.gui.visit import chosen_from, patient_words
 from footscan.records import Patient, Take
+from footscan.scanning.session.states import Snapshot
 
 _MOST_TAKES = 12
 
@@ -17,7 +18,8 @@ _MOST_TAKES = 12
 class PatientTab:
     """Handles of the tab."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, work: PatientWork) -> None:
+    def __init__(self, tools: Tools) -> None:
+        gui, desk, work = tools.server.gui, tools.desk, tools.patients
         self._desk, self._work = desk, work
         self._operator = gui.add_text(texts.OPERATOR, "", hint=texts.OPERATOR_HINT)
         self._chosen = gui.add_html("")
@@ -44,6 +46,9 @@ class PatientTab:
         put(self._operator, value=state.operator)
         put(self._chosen, content=_box(_patient_html(state.patient)))
         put(self._visits, content=_box(_takes_html(state)))
+
+    def tick(self, snapshot: Snapshot) -> None:
+        """Nothing here moves."""
 
     def _take_chosen(self) -> None:
         patient = chosen_from(self._found.value, self._desk.state)

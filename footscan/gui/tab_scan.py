@@ -8,13 +8,11 @@ from typing import Any
 import viser
 
 from footscan.gui import texts
-from footscan.gui.binding import ask, on_press, on_value, put
-from footscan.gui.desk import Desk
+from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.state import PageState
-from footscan.gui.station import Station
-from footscan.gui.visit_result import ResultWork
-from footscan.gui.visit_scan import ScanWork
-from footscan.scanning.session.states import Snapshot, State
+from footscan.gui.tab import Tools
+from footscan.scanning.session.states import Snapshot
+from footscan.workflow.scan import StoredScan
 
 _GRADES = {"good": "#176b2c", "usable with remark": "#a85b00", "repeat": "#c81e1e"}
 
@@ -22,24 +20,28 @@ _GRADES = {"good": "#176b2c", "usable with remark": "#a85b00", "repeat": "#c81e1
 class ScanTab:
     """Handles of the tab."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, station: Station, scan: ScanWork, result: ResultWork) -> None:
-        self._desk, self._station, self._scan, self._result = desk, station, scan, result
+    def __init__(self, tools: Tools) -> None:
+        self._desk, self._station, self._scan, self._result = tools.desk, tools.station, tools.scan, tools.result
+        gui = tools.server.gui
         self._head = gui.add_html("")
         self._side = gui.add_dropdown(texts.SIDE, tuple(texts.SIDES.values()), hint=texts.SIDE_HINT)
         self._load = gui.add_dropdown(texts.LOAD, tuple(texts.LOADS.values()), hint=texts.LOAD_HINT)
         self._surface = gui.add_dropdown(texts.SURFACE, tuple(texts.SURFACES.values()), hint=texts.SURFACE_HINT)
-        self._profile = gui.add_dropdown(texts.PROFILE, station.profiles, hint=texts.PROFILE_HINT)
+        self._profile = gui.add_dropdown(texts.PROFILE, self._station.profiles, hint=texts.PROFILE_HINT)
         self._plan = gui.add_html("")
         self._check = gui.add_button(texts.CHECK, hint=texts.CHECK_HINT, icon=viser.Icon.CHECKLIST)
         self._start = gui.add_button(texts.START, hint=texts.START_HINT, icon=viser.Icon.PLAYER_PLAY, color="green")
-        self._progress = gui.add_progress_bar(0.0, visible=False)
         self._note = gui.add_html("")
         self._verdict = gui.add_html("")
         self._accept = gui.add_button(texts.ACCEPT, hint=texts.ACCEPT_HINT, color="green", visible=False)
-        self._remark = gui.add_text(texts.REMARK_LABEL, "", visible=False)
+        self._remark = gui.add_text(texts.REMARK_LABEL, "", visible=False, hint=texts.REMARK_LABEL_HINT)
         self._use = gui.add_button(texts.REMARK, hint=texts.REMARK_HINT, visible=False)
         self._repeat = gui.add_button(texts.REPEAT, hint=texts.REPEAT_HINT, visible=False)
         self._again = gui.add_button(texts.REPROCESS, hint=texts.REPROCESS_HINT, visible=False)
+        with gui.add_folder(texts.KEPT_SCANS, expand_by_default=False) as self._fold:
+            gui.add_html(_box(texts.KEPT_WORDS, small=True))
+            self._kept = gui.add_dropdown(texts.KEPT, (texts.KEPT_NONE,))
+            self._file = gui.add_button(texts.KEPT_FILE, hint=texts.KEPT_FILE_HINT, disabled=True)
         self._bind()
 
     def _bind(self) -> None:
@@ -54,6 +56,12 @@ class ScanTab:
         on_press(desk, self._use, lambda _: self._result.use_with_remark(self._remark.value))
         on_press(desk, self._repeat, lambda _: self._result.repeat(self._remark.value))
         on_press(desk, self._again, lambda _: self._result.reprocess())
+        on_press(desk, self._file, lambda _: self._file_kept())
+
+    def _file_kept(self) -> None:
+        scan = next((scan for scan in self._desk.state.kept if _kept_words(scan) == self._kept.value), None)
+        if scan is not None:
+            self._scan.file_kept(scan.folder)
 
     def _choose(self, **values: Any) -> None:
         """Another foot or density was not checked yet."""
@@ -92,26 +100,13 @@ class ScanTab:
         judged = state.take is not None and state.step == "result" and not busy
         for handle in (self._accept, self._remark, self._use, self._repeat, self._again):
             put(handle, visible=judged)
-        if state.job is None:
-            put(self._progress, visible=False)
+        kept = tuple(_kept_words(scan) for scan in state.kept) or (texts.KEPT_NONE,)
+        put_options(self._kept, kept, self._kept.value if self._kept.value in kept else kept[0])
+        put(self._file, disabled=busy or not state.kept or state.patient is None)
+        put(self._fold, visible=bool(state.kept))
 
     def tick(self, snapshot: Snapshot) -> None:
-        """Progress of what runs."""
-        job = self._desk.state.job
-        if job is None:
-            return
-        percent, words = 100.0 * job.done / job.total if job.total else 0.0, job.words
-        if snapshot.state is State.COUNTDOWN:
-            words = texts.STAND_STILL.format(seconds=snapshot.remaining_s + 0.5)
-        elif snapshot.state is State.SCANNING:
-            percent = 100.0 * snapshot.progress
-            words = texts.REMAINING.format(
-                percent=percent, seconds=snapshot.remaining_s, points=f"{snapshot.frames.captured} pictures"
-            )
-        elif job.total:
-            words = texts.PROCESSING.format(done=job.done, total=job.total)
-        put(self._progress, visible=True, value=round(percent, 1), animated=percent == 0.0)
-        put(self._note, content=_box(f'<b style="font-size:16px">{html.escape(words)}</b>'))
+        """Progress stands beside STOP."""
 
 
 def _head(state: PageState) -> str:
@@ -170,6 +165,11 @@ def _coverage(report: Mapping[str, Any]) -> list[str]:
     if not skin:
         return []
     return [texts.COVERAGE.format(seen=skin["seen"], bridged=skin["bridged"], assumed=skin["assumed_sole"])]
+
+
+def _kept_words(scan: StoredScan) -> str:
+    part = "" if scan.finished else f", {texts.BROKEN_OFF}"
+    return f"{scan.folder.name}: {scan.frames} {texts.PICTURES}{part}"
 
 
 def _key(words_by_key: Mapping[str, str], words: str) -> Any:

@@ -10,13 +10,17 @@ STOP_HINT = "Lasers and motor off, now; what was captured is kept. It is no emer
 STOP_HOTKEY_LABEL = "Stop lasers and motor"
 STOPPED_BY = "stopped on the page"
 LASER_ON = "LASER ON: {lasers}"
+TOES, MEASURED_RIM = "toes", "measured up to here"
 ARMED = "ARMED"
 RESET = "I have looked: reset"
 RESET_HINT = "After a fault or an emergency stop, once the machine was looked at"
 NO_CALIBRATION = "NO CALIBRATION"
 CALIBRATION_AGE = "calibrated {days} days ago"
+CALIBRATION_TODAY = "calibrated today"
+CALIBRATION_DOUBT = "see Calibrate"
 CALIBRATION_OLD = "CALIBRATION OLD ({days} days)"
 CALIBRATION_UNDATED = "simulated calibration"
+CLOSING = "footscan is being closed"
 DISK_FREE = "{gigabytes:.0f} GB free"
 SIMULATED = "SIMULATED MACHINE"
 HEAD_AT = "head {degrees:.0f}°"
@@ -103,14 +107,20 @@ ARM_TITLE = "Look at the person first"
 ARM_QUESTION = "Is nobody's face at beam height, and may the lasers and the motor be switched on?"
 ARM_YES, ARM_NO = "Yes, nobody's face is there", "No"
 STAND_STILL = "STAND STILL: {seconds:.0f}"
-REMAINING = "{percent:.0f} % - {seconds:.0f} s to go - {points} points"
-PROCESSING = "Measuring the foot: {done} of {total} pictures"
+REMAINING = "{percent:.0f} %, {seconds:.0f} s to go, {frames} pictures"
+PROCESSING = "{what}: {done} of {total}"
+STOPS = "{what}: {percent:.0f} % of the stops"
 SCAN_STOPPED = "Scan stopped"
 SCAN_KEPT = "{why} What was captured lies in {folder}. Next: check again, then start again."
 BUSY = "The machine is busy. Wait, or press STOP."
 PLACEMENT_HINT = "Toes towards the camera (arrow), middle of the foot on the cross."
 
 # Result
+KEPT_SCANS = "Scans that were never filed"
+KEPT_WORDS = "Scans that were broken off or not filed are kept. Choose the patient, then the scan."
+KEPT, KEPT_NONE, KEPT_FILE = "Scan", "(none)", "Measure and file it"
+KEPT_FILE_HINT = "For the chosen patient, with the load and skin chosen above; side as it was scanned"
+BROKEN_OFF, PICTURES = "broken off", "pictures"
 RESULT_NONE = "No result yet."
 RESULT_OF = "{side} foot, take {number}"
 ACCEPT, REMARK, REPEAT, REPROCESS = "Accept", "Use with remark", "Repeat", "Measure again"
@@ -119,6 +129,7 @@ REMARK_HINT = "Use it all the same; your remark is kept with your name"
 REPEAT_HINT = "The take is kept but not used; scan this foot again"
 REPROCESS_HINT = "With the threshold on the left, without the patient; the earlier result is kept"
 REMARK_LABEL = "Remark"
+REMARK_LABEL_HINT = "Why it is used although it is not quite right, or why it is repeated"
 REMARK_NEEDED = "Type a remark first: it says why."
 AGREEMENT = "Lasers agree within {median:.2f} mm (zone {zone}, the largest)"
 COVERAGE = "Skin seen {seen:.0%}, bridged {bridged:.0%}, assumed {assumed:.0%}"
@@ -130,6 +141,9 @@ VERDICTS = {"undecided": "undecided", "accepted": "accepted", "with_remark": "wi
 INSPECT_NONE = "No foot to look at yet. Choose a patient with a scan, or scan one."
 TAKE = "Take"
 SHOW = "Show"
+SHOW_HINT = "Shaded; by where the skin comes from; or by how far the measured points lie from the surface"
+OTHER_FOOT_HINT = "The other side of the same patient, for comparison"
+MEASUREMENTS = "Measurements"
 SHOW_KINDS = ("Shaded", "Seen / assumed", "Distance to points")
 OTHER_FOOT = "Other foot beside it"
 SECTION = "Section"
@@ -145,16 +159,30 @@ SECTION_TABLE = (
 )
 SECTION_UNSEEN = " · {share:.0%} of the tape runs on skin that was not seen"
 SECTION_MISSES = "The plane does not meet the foot."
-SMOOTHING = "Filter and smooth"
-FILTER = "Filter points"
-FILTER_HINT = "0 off, 1 full; works on a copy"
+SMOOTHING = "Filter and smooth (on a copy)"
+SMOOTHING_WORDS = (
+    "Shows what filtering points and smoothing the surface would change. What was measured stays as it is."
+)
+FILTER = "Filter points (0 to 1)"
+FILTER_HINT = "0 leaves the points where they are, 1 moves them on to the plane of their neighbours"
 SMOOTH = "Smooth over (mm)"
-SMOOTH_HINT = "0 off; features of this size lose half their height; works on a copy"
+SMOOTH_HINT = "0 is off; features of this size lose half their height"
 SMOOTH_GO = "Try it"
-DOWNLOADS = "Downloads"
-DOWNLOAD_NAMES = {"STL": "surface.stl", "PLY": "surface.ply", "JSON": "measurements.json", "CSV": "sections.csv",
-                  "Picture": "report.png"}  # fmt: skip
+SMOOTH_GO_HINT = "Measures the foot again with both; takes a few seconds"
+SMOOTH_NOTHING = "Both are 0, which changes nothing. Move a slider first."
+SMOOTH_TRIED = "Shown: filter {filter:g}, smoothed over {smooth:g} mm"
+SMOOTH_BACK = "Back to the foot as measured"
+SMOOTH_BACK_HINT = "The copy is thrown away"
+PRICE_HEAD = "<tr><th>What</th><th>Before</th><th>After</th><th>Change</th></tr>"
+DOWNLOADS, FILE = "Downloads", "File"
+DOWNLOAD_HINT = (
+    "STL, PLY: the surface (mm). JSON: all measurements. Table: the same as CSV. Sections: one every 5 %. Picture: page"
+)
+DOWNLOAD_TABLE = "Table"
+DOWNLOAD_NAMES = {"STL": "surface.stl", "PLY": "surface.ply", "JSON": "measurements.json",
+                  DOWNLOAD_TABLE: "measurements.csv", "Sections": "sections.csv", "Picture": "report.png"}  # fmt: skip
 MEASURE_HEAD = "<tr><th>What</th><th>Value</th><th>Interval</th><th></th></tr>"
+MEASURE_MARKS = "⚠ not reliable, ❗ unusual: point at the mark for the reason, at a name for its definition."
 LEGEND_ORIGIN = (
     '<span style="color:#e0a080">■</span> seen &nbsp; <span style="color:#e8c020">■</span> bridged '
     '&nbsp; <span style="color:#8090a0">■</span> assumed'
@@ -165,32 +193,82 @@ LEGEND_RESIDUAL = (
 )
 
 # Calibrate
-CALIBRATE_INTRO = "Recordings of the calibration board in <code>{folder}</code>:"
-CALIBRATE_NONE = "(no calibration recording there)"
+CALIBRATE_IN_FORCE = "<b>In force:</b>"
+CALIBRATE_RECORD = "Record the calibration board"
+CALIBRATE_INTRO = (
+    "Clear the footboard: nothing may stand on it. Have the printed board at hand (footscan board prints it). "
+    "The head then looks at the bare footboard and at four or more placements of the board."
+)
+CALIBRATE_BEGIN = "1  The footboard is bare: begin"
+CALIBRATE_BEGIN_HINT = "Homes the head and looks at the bare footboard"
+CALIBRATE_BARE = "The footboard is bare and the laser light falls on nothing else."
+CALIBRATE_ADVICE = "<b>Placement {number}:</b> place the board {placed}. Then step back."
+CALIBRATE_SIMULATED = "The simulated machine places it by itself."
+CALIBRATE_PLACE = "2  The board stands: record it"
+CALIBRATE_PLACE_HINT = "The head stops all around the board; the first board is also passed in motion"
+CALIBRATE_STANDS = "The board stands where the advice says and does not move."
+CALIBRATE_YES = "Yes, go"
+CALIBRATE_FINISH = "3  Enough: compute"
+CALIBRATE_FINISH_HINT = "From four good placements on; the calibration in force stays until you accept the new one"
+CALIBRATE_ENOUGH = "That is enough: compute now, or add another placement."
+CALIBRATE_ABANDON = "Give up this recording"
+CALIBRATE_ABANDON_HINT = "Closes it; its pictures stay on the disk, the calibration in force stays too"
+CALIBRATE_ABANDON_SURE = "The recording is closed and not used. Begin anew from the bare footboard afterwards."
+CALIBRATE_ABANDONED = "Recording given up"
+CALIBRATE_AGAIN = "Compute from an earlier recording"
+CALIBRATE_NONE = "(no finished recording yet)"
 CALIBRATE_RECORDING = "Recording"
-CALIBRATE_GO = "Calibrate"
-CALIBRATE_HINT = "Computes a new calibration; the one in force stays until you accept the new one"
-CALIBRATE_MAKE = "Make one with the simulated machine"
-CALIBRATE_MAKE_HINT = "The simulated machine photographs its board; takes a minute or two"
+CALIBRATE_GO = "Compute"
+CALIBRATE_HINT = "The calibration in force stays until you accept the new one"
+CALIBRATE_RESULT = "New calibration"
+CALIBRATE_EMPTY = "Nothing computed yet. Record the board above, or compute from an earlier recording."
+CALIBRATE_NEW = "Computed, not in force yet:"
 CALIBRATE_ACCEPT, CALIBRATE_KEEP = "Put the new one in force", "Keep the old one"
-CALIBRATE_RESULT = "New calibration, not in force yet:"
-CALIBRATE_DONE = "The new calibration is in force for scans from the next start of footscan."
+CALIBRATE_ACCEPT_HINT = "From now on scans use it; the machine is opened again and homes anew"
+CALIBRATE_KEEP_HINT = "The new one is thrown away, its recording stays"
+CALIBRATE_ACCEPT_SURE = "From the next scan on the new calibration is used. The old one is kept in the history."
+CALIBRATE_REFUSED = "Refused, the calibration in force stays: {why}"
+CALIBRATE_DONE = "The new calibration is in force."
 CALIBRATE_KEPT = "The old calibration stays in force."
+CALIBRATION_OPEN = "A calibration recording is open. Finish it or give it up in the Calibrate tab first."
 
 # System
 DEVICES = "Devices"
 LOG = "Log"
+EXAMINE = "Examine all devices"
+EXAMINE_HINT = "Looks at camera, encoder, outputs, disk and calibration, and says in words what is wrong"
+EXAMINE_SURE = "The machine is closed for it and opened again; the head must find its home again afterwards."
+DRILL = "Drill"
+DRILL_WORDS = "Breaks a simulated copy of this machine in every known way, in a folder of its own."
+DRILL_MACHINE = "Break the machine"
+DRILL_MACHINE_HINT = "How long lasers and motor stay on after each fault; takes a minute or more"
+DRILL_REAL = "The drill breaks simulated machines only; run footscan drill on another computer."
+DRILL_RECORDS = "Kill {kills} programs while they store"
+DRILL_RECORDS_HINT = "Looks whether anything that was acknowledged is gone"
+DRILL_RECORDS_DONE = "{kills} kills, {acknowledged} acknowledged calls:"
+DRILL_NO_PROBLEMS = "nothing is lost."
+DRILL_HEAD = "<tr><th>Broken</th><th>Off after</th><th>At most</th><th></th></tr>"
+FACT_MACHINE, FACT_RIG, FACT_CAMERA, FACT_ENCODER = "Machine", "Rig file", "Camera", "Encoder"
+FACT_OUTPUTS, FACT_CALIBRATION, FACT_DATA = "Outputs", "Calibration", "Data folder"
 LOG_EMPTY = "Nothing has happened yet."
 
 
 # Jobs and notes
 WORKING = "Working"
 CANCEL = "Cancel"
+CANCEL_HINT = "Ends what is being done; what was captured is kept"
+CANCELLED = "{what}: cancelled. What was captured is kept."
 FAILED = "That did not work"
 INTERNAL = "Something unexpected happened ({what}). Lasers and motor are off. Start footscan again if it stays."
 DONE = "Done"
 JOB_CHECK, JOB_SCAN, JOB_MEASURE, JOB_REPROCESS = "Checking", "Scanning", "Measuring", "Measuring again"
-JOB_SMOOTH, JOB_CALIBRATE, JOB_BOARD = "Smoothing", "Calibrating", "Photographing the board"
+JOB_SMOOTH, JOB_CALIBRATE, JOB_EMPTY = "Smoothing", "Computing", "Looking at the bare footboard"
+JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
+    "Placement {number}",
+    "What would a calibration promise now?",
+    "Closing the recording",
+)
+JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
 
 GLOSSARY = {
     "foot_length": "From the pternion, the hindmost point of the heel, to the tip of the longest toe, along the axis",

@@ -1,4 +1,4 @@
-"""The 3-D view: the board with its cross, the cloud growing while a scan runs, the measured foot in colours.
+"""The 3-D view: the board with its marks, where the foot stands, the cloud as it grows, the measured foot in colours.
 
 The scene is in metres; everything else here is in millimetres.
 """
@@ -11,10 +11,13 @@ import trimesh
 import viser
 from trimesh.visual import ColorVisuals
 
-from footscan.coordinates import Floats, LaserName
+from footscan.coordinates import WORKING_RADIUS_MM, Floats, LaserName
 from footscan.foot.skin_origin import Origin
+from footscan.gui import texts
+from footscan.gui.placement import LitFrame, lit_points
 from footscan.gui.state import Shown
-from footscan.scanning.session.control import Session
+from footscan.gui.station import Station
+from footscan.scanning.session.states import Snapshot, State
 
 _M = 0.001
 _CLOUD_EVERY_S = 0.5
@@ -26,16 +29,20 @@ _UNSEEN_RGB = (128, 144, 160)
 _RESIDUAL_MM = (0.0, 0.2, 0.4)
 _RESIDUAL_RGB = ((32, 96, 255), (48, 192, 96), (255, 48, 32))
 _BESIDE_MM = 130.0
+_HELD_SINCE_S = 0.4
+"""A picture taken before the laser went on must not be taken for one of it."""
 Colours = npt.NDArray[np.uint8]
 
 
 class FootView:
     """What stands in the middle of the page."""
 
-    def __init__(self, server: viser.ViserServer, session: Session) -> None:
-        self._scene, self._session = server.scene, session
+    def __init__(self, server: viser.ViserServer, station: Station) -> None:
+        self._scene, self._station = server.scene, station
         self._shown_frames, self._batches = 0, 0
         self._next_s = 0.0
+        self._held: tuple[LaserName, float] | None = None
+        self._placed: set[LaserName] = set()
         self._feet: list[viser.GlbHandle | viser.MeshHandle] = []
         scene = server.scene
         scene.set_up_direction("+z")
@@ -46,12 +53,15 @@ class FootView:
         camera = server.initial_camera
         camera.position, camera.look_at, camera.near = (0.30, -0.42, 0.30), (0.0, 0.0, 0.05), 0.01
 
-    def tick(self) -> None:
-        """Add the points that have come since the last time."""
-        live, now_s = self._session.live, time.monotonic()
+    def tick(self, snapshot: Snapshot) -> None:
+        """Add the points that have come since the last time, and the line of a laser held on."""
+        self._show_held(snapshot)
+        live, now_s = self._station.session.live, time.monotonic()
         if live is None or now_s < self._next_s:
             return
         self._next_s = now_s + _CLOUD_EVERY_S
+        if snapshot.state is State.SCANNING:
+            self.clear_placement()
         if live.count().shown < self._shown_frames:
             self.clear_cloud()
         new = live.points_since(self._shown_frames)
@@ -60,6 +70,34 @@ class FootView:
             xyz = [part.xyz_world for part in new if part.laser == laser and len(part.xyz_world)]
             if xyz:
                 self._add_points(np.concatenate(xyz), rgb)
+
+    def _show_held(self, snapshot: Snapshot) -> None:
+        laser = snapshot.lasers[0] if snapshot.state is State.HOLDING and len(snapshot.lasers) == 1 else None
+        if laser is None or snapshot.theta_deg is None:
+            self._held = None
+            return
+        name: LaserName = "right" if laser == "right" else "left"
+        if self._held is None or self._held[0] != name:
+            self._held = (name, time.monotonic())
+        newest = self._station.session.grabber.latest
+        if newest is not None and time.monotonic() - self._held[1] > _HELD_SINCE_S:
+            self.show_placement(LitFrame(name, float(np.deg2rad(snapshot.theta_deg)), newest.frame))
+
+    def show_placement(self, lit: LitFrame) -> None:
+        """Draw the line a laser draws on foot and board, in the place of its earlier one."""
+        tables = self._station.session.setup.tables
+        if tables is None:
+            return
+        xyz, name = lit_points(lit, tables).astype(np.float32) * np.float32(_M), f"/placement/{lit.laser}"
+        self._placed.add(lit.laser)
+        rgb = _CLOUD_RGB[lit.laser]
+        self._scene.add_point_cloud(name, xyz, rgb, point_size=0.0016, precision="float32")
+
+    def clear_placement(self) -> None:
+        """The foot is scanned, or another one steps on."""
+        for laser in self._placed:
+            self._scene.remove_by_name(f"/placement/{laser}")
+        self._placed.clear()
 
     def clear_cloud(self) -> None:
         """A new scan begins, or the foot is shown instead."""
@@ -128,9 +166,14 @@ def colours(mesh: trimesh.Trimesh, shown: Shown) -> Colours:
 
 
 def _draw_marks(scene: viser.SceneApi) -> None:
-    """The cross where the axis meets the board, and an arrow where the toes point."""
+    """The cross where the axis meets the board, an arrow where the toes point, and how far is measured."""
     cross = np.array([[[-15, 0, 0], [15, 0, 0]], [[0, -15, 0], [0, 15, 0]]], np.float32)
-    arrow = np.array([[[120, 0, 0], [170, 0, 0]], [[170, 0, 0], [155, 9, 0]], [[170, 0, 0], [155, -9, 0]]], np.float32)
-    for name, lines, rgb in (("/axis-mark", cross, (200, 30, 30)), ("/toes", arrow, (30, 30, 30))):
+    arrow = np.array([[[150, 0, 0], [190, 0, 0]], [[190, 0, 0], [176, 8, 0]], [[190, 0, 0], [176, -8, 0]]], np.float32)
+    turn = np.linspace(0.0, 2.0 * np.pi, 97)
+    rim = WORKING_RADIUS_MM * np.stack([np.cos(turn), np.sin(turn), np.zeros(97)], axis=1).astype(np.float32)
+    circle = np.stack([rim[:-1], rim[1:]], axis=1)[::2]
+    marks = (("/axis-mark", cross, (200, 30, 30)), ("/toes", arrow, (30, 30, 30)), ("/measured", circle, (0, 96, 128)))
+    for name, lines, rgb in marks:
         scene.add_line_segments(name, lines * np.float32(_M), rgb, thickness=3.0, thickness_units="screen")
-    scene.add_label("/toes-label", "toes", position=(0.185, 0.0, 0.0))
+    scene.add_label("/toes-label", texts.TOES, position=(0.205, 0.0, 0.0))
+    scene.add_label("/measured-label", texts.MEASURED_RIM, position=(0.0, -0.205, 0.0))

@@ -9,6 +9,7 @@ from footscan.gui.state import PageState
 from footscan.gui.station import Station
 from footscan.records import NewPatient, Patient, Take
 from footscan.records.spelling import born_from_text
+from footscan.workflow.scan import StoredScan, find_scans
 
 MOST_SHOWN = 20
 
@@ -44,6 +45,7 @@ class PatientWork:
         self._desk.change(
             patient=patient,
             takes=takes,
+            kept=kept_scans(self._station),
             step="idle",
             findings=(),
             take=None,
@@ -84,6 +86,11 @@ def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
     """All takes of a patient, the latest visit first, and in it the latest take first."""
     visits = station.store.visits(patient_id)
     return tuple(take for visit in visits for take in sorted(station.store.takes(visit.id), key=lambda t: -t.id))
+
+
+def kept_scans(station: Station) -> tuple[StoredScan, ...]:
+    """Scans that belong to nobody yet, the newest first."""
+    return tuple(scan for scan in reversed(find_scans(station.scans)) if scan.frames)
 
 
 def patient_words(patient: Patient) -> str:

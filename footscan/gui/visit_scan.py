@@ -9,8 +9,11 @@ from footscan.errors import FootscanError
 from footscan.gui import texts
 from footscan.gui.adjust_light import shine_while_held
 from footscan.gui.desk import Desk, Progress
+from footscan.gui.placement import LitFrame, look_at_foot
 from footscan.gui.station import Station
-from footscan.gui.visit import takes_of
+from footscan.gui.view_foot import FootView
+from footscan.gui.visit import kept_scans, takes_of
+from footscan.gui.visit_calibrate import CalibrationWork
 from footscan.gui.visit_result import report_of
 from footscan.records import Take
 from footscan.scanning.session.control import Session
@@ -21,13 +24,15 @@ from footscan.workflow.scan import ScanSettings, measure_recorded, prepare_machi
 from footscan.workflow.visit import Filing, file_scan
 
 _ARM_S = 5.0
+_ABOUT_THE_FOOT = ("no foot", "foot partly out of view")
+"""Findings after which the machine itself is well, and the picture helps to place the foot."""
 
 
 class ScanWork:
     """The scan on the page."""
 
-    def __init__(self, desk: Desk, station: Station) -> None:
-        self._desk, self._station = desk, station
+    def __init__(self, desk: Desk, station: Station, view: FootView, calibration: CalibrationWork) -> None:
+        self._desk, self._station, self._view, self._calibration = desk, station, view, calibration
         self._held_s = 0.0
 
     @property
@@ -40,6 +45,8 @@ class ScanWork:
         state = self._desk.state
         if state.job is not None or self._session.snapshot().state is State.HOLDING:
             return texts.BUSY
+        if self._calibration.recording:
+            return texts.CALIBRATION_OPEN
         if state.patient is None:
             return texts.NO_PATIENT_SCAN
         if not state.operator:
@@ -58,18 +65,28 @@ class ScanWork:
 
     def check(self) -> None:
         """Home if needed, and look at everything that can spoil the scan; the machine is armed."""
-        state, settings = self._desk.state, self._settings()
-        if self._station.put_on_board is not None:
-            self._station.put_on_board(state.scan.side)
+        settings = self._settings()
         self._desk.change(step="idle", findings=(), note="", take=None, report=None)
-        self._desk.job(
-            texts.JOB_CHECK,
-            lambda progress: prepare_machine(self._session, settings, lambda snapshot: None),
-            self._checked,
-            self._stopped,
-        )
+        self._view.clear_cloud()
+        self._view.clear_placement()
+        self._desk.job(texts.JOB_CHECK, lambda progress: self._look(settings), self._checked, self._stopped, self._stop)
 
-    def _checked(self, findings: list[Finding]) -> None:
+    def _look(self, settings: ScanSettings) -> tuple[list[Finding], list[LitFrame]]:
+        if self._station.opened.put_on_board is not None:
+            self._station.opened.put_on_board(settings.side)
+        findings = prepare_machine(self._session, settings, lambda snapshot: None)
+        lit: list[LitFrame] = []
+        if all(finding.cause in _ABOUT_THE_FOOT for finding in findings if finding.blocking):
+            self._session.post(lambda machine: look_at_foot(machine, lit)).wait()
+        return findings, lit
+
+    def _stop(self) -> None:
+        self._session.post_cancel(texts.STOPPED_BY)
+
+    def _checked(self, seen: tuple[list[Finding], list[LitFrame]]) -> None:
+        findings, lit = seen
+        for each in lit:
+            self._view.show_placement(each)
         good = not any(finding.blocking for finding in findings)
         self._desk.change(step="checked" if good else "idle", findings=tuple(findings))
 
@@ -89,6 +106,7 @@ class ScanWork:
             lambda progress: self._record(settings),
             lambda folder: self._measure(settings, patient.id, operator),
             lambda err: self._broken_off(err, settings.folder),
+            self._stop,
         )
 
     def _record(self, settings: ScanSettings) -> Path:
@@ -120,11 +138,28 @@ class ScanWork:
             takes=takes,
             report=report_of(self._station, take),
             inspect=replace(state.inspect, take_id=take.id),
+            kept=kept_scans(self._station),
+        )
+
+    def file_kept(self, folder: Path) -> None:
+        """Measure a scan that was never filed, whole or broken off, and file it for the chosen patient."""
+        state = self._desk.state
+        if state.patient is None or not state.operator:
+            self._desk.say(texts.FAILED, texts.NO_PATIENT_SCAN if state.operator else texts.NO_OPERATOR, wrong=True)
+            return
+        patient_id = state.patient.id
+        filing = Filing(state.operator, None, state.scan.load, state.scan.surface, unfinished=True)
+        self._desk.job(
+            texts.JOB_MEASURE,
+            lambda progress: file_scan(self._station.store, patient_id, folder, filing, progress=progress),
+            self._show,
+            self._stopped,
         )
 
     def _broken_off(self, err: FootscanError, folder: Path) -> None:
         kept = folder if (folder / "recording").is_dir() else self._station.scans
-        self._desk.change(step="idle", note=texts.SCAN_KEPT.format(why=err, folder=kept))
+        note = texts.SCAN_KEPT.format(why=err, folder=kept)
+        self._desk.change(step="idle", note=note, kept=kept_scans(self._station))
         self._desk.say(texts.SCAN_STOPPED, str(err), wrong=True)
 
     def _stopped(self, err: FootscanError) -> None:

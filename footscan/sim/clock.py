@@ -1,14 +1,21 @@
 """A clock that jumps to the next moment anybody waits for: simulated time, as fast as this computer can."""
 
 import threading
+import time
 from collections.abc import Callable
 
 
 class VirtualClock:
-    """Simulated seconds. They stand still while any thread that has joined works, and jump when all of them wait."""
+    """Simulated seconds. They stand still while any thread that has joined works, and jump when all of them wait.
 
-    def __init__(self, start_s: float = 1000.0) -> None:
+    With a `pace` they pass at most so many times as fast as the wall clock: a person can follow, and a computer that is
+    too busy makes the simulated machine slower instead of spoiling what it does.
+    """
+
+    def __init__(self, start_s: float = 1000.0, pace: float | None = None) -> None:
         self._now_s = start_s
+        self._pace = pace
+        self._free_s = time.monotonic()
         self._changed = threading.Condition()
         self._joined = 0
         self._until: dict[int, float] = {}
@@ -51,6 +58,14 @@ class VirtualClock:
                 self._jump()
 
     def _jump(self) -> None:
-        self._now_s = max(self._now_s, min(self._until.values()))
+        now_s = max(self._now_s, min(self._until.values()))
+        if self._pace is not None:
+            self._keep_pace((now_s - self._now_s) / self._pace)
+        self._now_s = now_s
         self._until.clear()
         self._changed.notify_all()
+
+    def _keep_pace(self, step_s: float) -> None:
+        """Sleep until the wall clock has made the step too; time lost by work is not made up for."""
+        self._free_s = max(self._free_s + step_s, time.monotonic())
+        time.sleep(max(self._free_s - time.monotonic(), 0.0))
