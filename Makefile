@@ -4,13 +4,24 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: run test check format lint types bench drill clean
+.PHONY: run demo test chromium screenshots check format lint types bench drill clean
 
+# Where CI is set nobody looks: the page is opened, looked at by a browser if there is one, and closed again.
 run: $(STAMP)
+	$(BIN)/footscan serve --demo --data out/demo-data $(if $(CI),--check --port 0)
+
+demo: $(STAMP)
 	$(BIN)/footscan demo --out out/demo
 
-test: $(STAMP)
-	$(BIN)/pytest -m "not slow and not hardware and not bench" tests
+# Tests that need the wall clock, a port or a browser share one of the two workers (tests/conftest.py).
+test: $(STAMP) chromium
+	$(BIN)/pytest -n 2 --dist loadgroup -m "not slow and not hardware and not bench" tests
+
+chromium:
+	@.ci/chromium
+
+screenshots: $(STAMP) chromium
+	$(BIN)/footscan screenshots --out docs/pictures
 
 check: lint types
 

@@ -17,6 +17,16 @@ from footscan.workflow.simulate import SimulateSettings, simulate_scan
 
 settings.register_profile("footscan", deadline=None)  # how long an example takes says how busy the computer is
 settings.load_profile("footscan")
+_REAL_TIME = ("tests/devices/", "tests/gui/", "tests/sim/test_emulat", "tests/cli/test_emulate", "tests/cli/test_serve",
+              "tests/workflow/test_drill")  # fmt: skip
+"""Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers."""
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        place = item.path.relative_to(config.rootpath).as_posix()
+        if place.startswith(_REAL_TIME):
+            item.add_marker(pytest.mark.xdist_group("real time"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -20,6 +20,7 @@ from footscan.cli.measure import measure_command, section_command
 from footscan.cli.patients import patients_app
 from footscan.cli.process import process
 from footscan.cli.scan import scan_command, scans_command
+from footscan.cli.screenshots import screenshots
 from footscan.cli.serve import serve
 from footscan.cli.simulate import demo, simulate
 from footscan.cli.study import study_app
@@ -48,6 +49,7 @@ app.command()(calibrate)
 app.command()(accept)
 app.command()(demo)
 app.command("support-bundle")(support_bundle)
+app.command()(screenshots)
 app.add_typer(bench_app, name="bench")
 app.add_typer(calibration_app, name="calibration")
 app.add_typer(drill_app, name="drill")

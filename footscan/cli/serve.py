@@ -32,11 +32,12 @@ def serve(
     ] = False,
 ) -> None:
     """Open the page from which the machine is driven; Ctrl-C ends it."""
-    from footscan.gui.door import Address  # noqa: PLC0415 - no other command should wait for a web server to load
+    from footscan.gui.door import Address, check_address  # noqa: PLC0415 - no other command should wait for a web server to load
     from footscan.gui.serve import serve as serve_page  # noqa: PLC0415
     from footscan.gui.serve import serve_and_check  # noqa: PLC0415
 
     address, folder = Address(host, port, tuple(origin or ())), data_folder(data)
+    check_address(address)  # before a data folder is made for a page that will not open
     if demo:
         with RecordStore(folder) as store:
             add_demo_patients(store)
@@ -48,11 +49,11 @@ def serve(
             STDOUT.print("Ctrl-C ends it.")
             _show(url)
 
-    (serve_and_check if check else serve_page)(_paced(chosen_rig(rig, fast=False)), folder, address, say)
+    (serve_and_check if check else serve_page)(paced(chosen_rig(rig, fast=False)), folder, address, say)
     STDOUT.print("ended; lasers and motor are off.")
 
 
-def _paced(rig: Rig) -> Rig:
+def paced(rig: Rig) -> Rig:
     """A simulated machine must not stumble because this computer is busy; emulated wires need their real time."""
     world = rig.devices.world
     if world is None or world.time != "real" or rig.devices.emulated:

@@ -5,20 +5,24 @@ from typing import Any
 
 import viser
 
+from footscan.gui import texts
 from footscan.gui.desk import Desk
 
 # Functions declared `async` run one after the other on viser's event loop; others run side by side in a pool.
 
 
 def on_value(desk: Desk, handle: Any, act: Callable[[Any], None]) -> None:
-    """Post what a person has entered; what the program itself has set is left alone."""
+    """Post what a person has entered; what the program itself has set is left alone.
+
+    Typing and dragging send many values: each command takes the newest one, and what is typed or dragged must not be
+    set back from the state, which is always a little behind.
+    """
     listen = handle.on_click if isinstance(handle, viser.GuiButtonGroupHandle) else handle.on_update
 
     @listen
     async def _(event: Any) -> None:
-        value = handle.value
         if event.client is not None:
-            desk.post(lambda: act(value))
+            desk.post(lambda: act(handle.value))
 
 
 def on_press(desk: Desk, handle: Any, act: Callable[[viser.ClientHandle], None]) -> None:
@@ -50,7 +54,10 @@ def ask(
     desk: Desk, client: viser.ClientHandle, title: str, body: str, yes: str, no: str, then: Callable[[], None],
     otherwise: Callable[[], None] = lambda: None,
 ) -> None:  # fmt: skip
-    """Ask one browser a question; `then` or `otherwise` is posted, once."""
+    """Ask one browser a question; `then` or `otherwise` is posted, once.
+
+    It covers the page, so it has a STOP of its own.
+    """
     modal = client.gui.add_modal(title)
     answered: list[bool] = []
 
@@ -64,5 +71,11 @@ def ask(
         client.gui.add_markdown(body)
         agree = client.gui.add_button(yes, color="red")
         refuse = client.gui.add_button(no, color="gray")
+        stop = client.gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
+
+    @stop.on_click
+    async def _(_: Any) -> None:
+        desk.stop()
+
     on_press(desk, agree, lambda _: answer(then))
     on_press(desk, refuse, lambda _: answer(otherwise))

@@ -24,9 +24,11 @@ class Desk:
 
     Attributes:
         state: What the page shows; replaced, never changed.
+        stop: Switches lasers and motor off, at once; any thread.
     """
 
-    def __init__(self, tell: Tell) -> None:
+    def __init__(self, tell: Tell, stop: Command = lambda: None) -> None:
+        self.stop = stop
         self.state = PageState()
         self._tell = tell
         self._commands: queue.Queue[Command | None] = queue.Queue()

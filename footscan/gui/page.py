@@ -51,7 +51,7 @@ class Page:
         self.server, self.station = server, station
         self.log = Logbook(station.data / "page.log")
         self.keys = Keys(self.log.write, time.monotonic)
-        self.desk = Desk(self._say)
+        self.desk = Desk(self._say, self._stop)
         self._finished = threading.Event()
         self._banners: dict[int, viser.GuiHtmlHandle] = {}
         self._buttons: dict[int, viser.GuiButtonHandle] = {}
@@ -79,14 +79,17 @@ class Page:
             if thread.is_alive():
                 thread.join(5.0)
 
+    def _stop(self) -> None:
+        self.station.session.post_cancel(texts.STOPPED_BY)
+
     def _build(self) -> None:
         server, desk, station, gui = self.server, self.desk, self.station, self.server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 96, 128))
         self.view = FootView(server, station)
-        calibration = CalibrationWork(desk, station)
-        scan, result = ScanWork(desk, station, self.view, calibration), ResultWork(desk, station)
+        self.calibration = CalibrationWork(desk, station)
+        scan, result = ScanWork(desk, station, self.view, self.calibration), ResultWork(desk, station)
         patients = PatientWork(desk, station)
-        self._tools = Tools(server, desk, station, self.view, self.log, patients, scan, result, calibration)
+        self._tools = Tools(server, desk, station, self.view, self.log, patients, scan, result, self.calibration)
         camera = gui.add_panel()
         with camera.add_tab(texts.CAMERA, viser.Icon.CAMERA):
             self.camera = CameraPanel(server, desk, station, scan)

@@ -22,12 +22,17 @@ _CURVES_EVERY = 4
 
 
 class CameraPanel:
-    """Handles of the panel, and what they show."""
+    """Handles of the panel, and what they show.
+
+    Attributes:
+        shown_points: Stripe points in the picture that is shown.
+    """
 
     def __init__(self, server: viser.ViserServer, desk: Desk, station: Station, scan: ScanWork) -> None:
         self._desk, self._station, self._scan = desk, station, scan
         self._finder = StripeFinder()
         self._drawn: tuple[int, CameraChoice] | None = None
+        self.shown_points = 0
         self._turn = 0
         gui, facts = server.gui, station.session.facts
         blank = np.full((facts.height_px, facts.width_px, 3), 40, np.uint8)
@@ -70,8 +75,9 @@ class CameraPanel:
         """What the desk says."""
         camera = state.camera
         put(self._automatic, value=camera.automatic)
-        if not camera.automatic:
-            put(self._threshold, value=camera.threshold)
+        put(self._kind, label=texts.CHOSEN.format(what=texts.PICTURE, chosen=camera.kind))
+        laser = texts.LASERS[0] if camera.laser == "right" else texts.LASERS[1]
+        put(self._laser, label=texts.CHOSEN.format(what=texts.SHINE_LASER, chosen=laser))
         self._shine.disabled = state.job is not None
 
     def tick(self) -> None:
@@ -80,16 +86,21 @@ class CameraPanel:
         if newest is None or self._drawn == (newest.number, choice):
             return
         self._drawn = (newest.number, choice)
-        picture = draw_live(newest.frame, choice.kind, choice.in_use, self._finder, choice.row)
+        lit = bool(self._station.session.snapshot().lasers) or not choice.automatic
+        kind = choice.kind if lit else "Grey"
+        picture = draw_live(newest.frame, kind, choice.in_use, self._finder, choice.row)
         self._image.image = picture.rgb
-        self._tell(picture, choice)
+        self.shown_points = picture.points if lit else 0
+        self._tell(picture, choice, lit)
         self._turn += 1
         if self._turn % _CURVES_EVERY == 0:
             self._draw_curves(newest.frame, choice)
 
-    def _tell(self, picture: LivePicture, choice: CameraChoice) -> None:
+    def _tell(self, picture: LivePicture, choice: CameraChoice, lit: bool) -> None:
+        """An automatic threshold of a picture without laser light would be that of its noise."""
         used = picture.automatic if choice.automatic else choice.threshold
         words = texts.AUTOMATIC_VALUE.format(value=picture.automatic, used=used, points=picture.points)
+        words = words if lit else texts.NO_LIGHT
         put(self._words, content=f'<div style="font-size:13px;padding:0 1em">{words}</div>')
 
     def _draw_curves(self, frame: Frame, choice: CameraChoice) -> None:

@@ -40,11 +40,11 @@ class MachinePanel:
 
         @self.stop.on_click
         async def _(_: Any) -> None:
-            station.session.post_cancel(texts.STOPPED_BY)
+            desk.stop()
 
         @command.on_trigger
         async def _(_: Any) -> None:
-            station.session.post_cancel(texts.STOPPED_BY)
+            desk.stop()
 
         on_press(desk, self._reset, lambda _: self._put_right())
 

@@ -43,7 +43,6 @@ class PatientTab:
         kept = self._found.value if self._found.value in options else options[0]
         put_options(self._found, options, kept)
         put(self._choose, disabled=not state.found or state.job is not None)
-        put(self._operator, value=state.operator)
         put(self._chosen, content=_box(_patient_html(state.patient)))
         put(self._visits, content=_box(_takes_html(state)))
 

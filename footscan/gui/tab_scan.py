@@ -145,7 +145,8 @@ def _verdict(state: PageState) -> str:
     if verdict.get("kind", "none") != "none":
         lines.append(f"<b>{html.escape(str(verdict.get('action', '')))}</b>")
     lines += _agreement(report) + _coverage(report)
-    lines.append(html.escape(texts.VERDICTS[take.verdict]) + (f", {texts.IN_USE}" if take.in_use else ""))
+    used = f", {texts.IN_USE}" if take.in_use else ""
+    lines.append(f"{texts.DECISION}: <b>{html.escape(texts.VERDICTS[take.verdict])}{used}</b>")
     return "<br>".join(line for line in lines if line)
 
 
@@ -164,7 +165,8 @@ def _coverage(report: Mapping[str, Any]) -> list[str]:
     skin = foot.get("skin")
     if not skin:
         return []
-    return [texts.COVERAGE.format(seen=skin["seen"], bridged=skin["bridged"], assumed=skin["assumed_sole"])]
+    words = texts.COVERAGE.format(seen=skin["seen"], bridged=skin["bridged"], assumed=skin["assumed_sole"])
+    return [words, texts.LEGEND_ORIGIN]
 
 
 def _kept_words(scan: StoredScan) -> str:

@@ -56,7 +56,8 @@ SHINE = "Hold for laser light"
 SHINE_HINT = "Hold the button down: the laser shines as long as you hold it. Arm first."
 SHINE_LASER = "Laser"
 LASERS = ("Right", "Left")
-FLICKER = "No picture yet."
+NO_LIGHT = "No laser is on. Hold the button below for light (arm it with Check first)."
+CHOSEN = "{what}: {chosen}"
 
 # Patient
 OPERATOR = "Operator"
@@ -131,6 +132,7 @@ REPROCESS_HINT = "With the threshold on the left, without the patient; the earli
 REMARK_LABEL = "Remark"
 REMARK_LABEL_HINT = "Why it is used although it is not quite right, or why it is repeated"
 REMARK_NEEDED = "Type a remark first: it says why."
+DECISION = "Decision"
 AGREEMENT = "Lasers agree within {median:.2f} mm (zone {zone}, the largest)"
 COVERAGE = "Skin seen {seen:.0%}, bridged {bridged:.0%}, assumed {assumed:.0%}"
 REFUSED_FOOT = "No foot could be measured: {why}"

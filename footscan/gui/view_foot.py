@@ -29,6 +29,8 @@ _UNSEEN_RGB = (128, 144, 160)
 _RESIDUAL_MM = (0.0, 0.2, 0.4)
 _RESIDUAL_RGB = ((32, 96, 255), (48, 192, 96), (255, 48, 32))
 _BESIDE_MM = 130.0
+_BOARD_MM = 2.0
+"""Live points below it are the footboard's."""
 _HELD_SINCE_S = 0.4
 """A picture taken before the laser went on must not be taken for one of it."""
 Colours = npt.NDArray[np.uint8]
@@ -48,10 +50,11 @@ class FootView:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)  # with it and shadows a browser without a graphics card stalls for 15 s
         scene.configure_default_lights(True, cast_shadow=False)
+        scene.add_light_ambient("/light", intensity=2.2)
         scene.add_grid("/board", 0.4, 0.4, cell_size=0.02, section_size=0.1, plane="xy", shadow_opacity=0.0)
         _draw_marks(scene)
         camera = server.initial_camera
-        camera.position, camera.look_at, camera.near = (0.30, -0.42, 0.30), (0.0, 0.0, 0.05), 0.01
+        camera.position, camera.look_at, camera.near = (0.30, -0.42, 0.30), (0.0, 0.0, 0.07), 0.01
 
     def tick(self, snapshot: Snapshot) -> None:
         """Add the points that have come since the last time, and the line of a laser held on."""
@@ -67,8 +70,8 @@ class FootView:
         new = live.points_since(self._shown_frames)
         self._shown_frames += len(new)
         for laser, rgb in _CLOUD_RGB.items():
-            xyz = [part.xyz_world for part in new if part.laser == laser and len(part.xyz_world)]
-            if xyz:
+            xyz = [_above_board(part.xyz_world) for part in new if part.laser == laser]
+            if any(len(part) for part in xyz):
                 self._add_points(np.concatenate(xyz), rgb)
 
     def _show_held(self, snapshot: Snapshot) -> None:
@@ -145,6 +148,10 @@ class FootView:
             return
         segments = np.concatenate(pieces) * _M
         self._scene.add_line_segments("/section", segments, (200, 0, 120), thickness=4.0, thickness_units="screen")
+
+
+def _above_board(xyz_world: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    return xyz_world[xyz_world[:, 2] > _BOARD_MM]
 
 
 def colours(mesh: trimesh.Trimesh, shown: Shown) -> Colours:

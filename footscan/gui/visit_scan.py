@@ -137,7 +137,7 @@ class ScanWork:
             take=take,
             takes=takes,
             report=report_of(self._station, take),
-            inspect=replace(state.inspect, take_id=take.id),
+            inspect=replace(state.inspect, take_id=take.id, tried=None, shown="Seen / assumed"),
             kept=kept_scans(self._station),
         )
 

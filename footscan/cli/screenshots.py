@@ -1,0 +1,20 @@
+"""`footscan screenshots`: pictures of the page for the documents."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from footscan.cli.console import STDERR, STDOUT
+from footscan.cli.scan import chosen_rig
+from footscan.cli.serve import paced
+
+
+def screenshots(
+    out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("docs/pictures"),
+) -> None:
+    """Use the page like a person over the simulated machine and keep pictures of it; needs Chromium and playwright."""
+    from footscan.gui.screenshots import take_screenshots  # noqa: PLC0415 - needs a dependency of developers
+
+    made = take_screenshots(paced(chosen_rig(None, fast=False)), out, STDERR.print)
+    STDOUT.print(f"{len(made)} pictures in {out}")

@@ -1,0 +1,125 @@
+"""Mouse, keyboard and eyes of one person in a browser: for the page's tests, screenshots and timings."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Locator, Page
+
+from footscan.gui import texts
+
+_WAIT_MS, SCAN_MS = 90_000, 400_000
+
+
+class Visitor:
+    """What a person does with mouse and keyboard in one browser."""
+
+    def __init__(self, tab: Page, url: str) -> None:
+        self.tab = tab
+        tab.set_default_timeout(_WAIT_MS)
+        tab.goto(url)
+        self.sees(re.compile("controls? the machine"))
+
+    def goes_to(self, name: str) -> None:
+        """Open a tab."""
+        self.tab.get_by_role("tab", name=name, exact=True).click()
+
+    def button(self, name: str) -> Locator:
+        """A button by its words."""
+        return self.tab.get_by_role("button", name=name, exact=True)
+
+    def presses(self, name: str, clicks: int = 1) -> None:
+        """Press a button, once or twice."""
+        self.button(name).click(click_count=clicks)
+
+    def types(self, label: str, text: str) -> None:
+        """Type into a field, in place of what stands there."""
+        box = self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input')
+        box.click()
+        box.fill("")
+        box.press_sequentially(text)
+
+    def chooses(self, label: str, option: str) -> None:
+        """Choose from a list."""
+        self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').click()
+        self.tab.get_by_role("option", name=option).first.click()
+
+    def sees(self, words: Any) -> None:
+        """Wait until some words are there."""
+        self.tab.get_by_text(words).first.wait_for()
+
+    def misses(self, words: Any) -> None:
+        """Wait until some words are gone."""
+        self.tab.get_by_text(words).first.wait_for(state="hidden")
+
+    def picture(self, path: Path) -> None:
+        """What the browser shows now."""
+        self.tab.screenshot(path=path)
+
+    def html(self, words: str) -> str:
+        """Text of the innermost block that holds some words."""
+        return self.tab.get_by_text(words).first.inner_text()
+
+    def slider(self, label: str) -> Locator:
+        """The thumb of a slider."""
+        return self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//*[@role="slider"]')
+
+    def drags(self, label: str, pixels: int) -> int:
+        """Drag a slider by its thumb; returns the value it shows afterwards."""
+        thumb = self.slider(label)
+        thumb.scroll_into_view_if_needed()
+        box = thumb.bounding_box()
+        if box is None:
+            raise AssertionError(f"the slider {label} cannot be seen")
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.tab.mouse.move(x, y)
+        self.tab.mouse.down()
+        for step in range(1, 11):
+            self.tab.mouse.move(x + pixels * step / 10, y)
+        self.tab.mouse.up()
+        return int(float(thumb.get_attribute("aria-valuenow") or "nan"))
+
+    # What takes more than one step
+
+    def is_known(self, name: str) -> None:
+        """Type the operator's name."""
+        self.goes_to(texts.TAB_PATIENT)
+        self.types(texts.OPERATOR, name)
+
+    def takes_patient(self, typed: str) -> None:
+        """Find a patient by typing, and take the one that is found."""
+        self.goes_to(texts.TAB_PATIENT)
+        self.types(texts.FIND, typed)
+        self.tab.wait_for_function(
+            "words => [...document.querySelectorAll('input')].some(i => i.value.includes(words))", arg=typed
+        )
+        self.presses(texts.CHOOSE)
+        self.tab.locator("b", has_text=typed).first.wait_for()
+
+    def enters(self, name: str) -> None:
+        """Enter a new patient by name alone."""
+        self.goes_to(texts.TAB_PATIENT)
+        self.types(texts.NAME, name)
+        self.types(texts.BORN, "")
+        self.types(texts.NUMBER, "")
+        self.presses(texts.ENTER)
+        self.tab.locator("b", has_text=name).first.wait_for()
+
+    def checks(self) -> None:
+        """Check before a scan, and say that nobody's face is there."""
+        self.goes_to(texts.TAB_SCAN)
+        self.presses(texts.CHECK)
+        self.presses(texts.ARM_YES)
+        self.sees(re.compile("^Checked"))
+
+    def starts(self) -> None:
+        """Start a scan; it runs on."""
+        self.checks()
+        self.presses(texts.START)
+        self.sees(re.compile("s to go"))
+
+    def scans(self) -> None:
+        """A whole scan, until there is something to decide."""
+        self.checks()
+        self.presses(texts.START)
+        self.button(texts.ACCEPT).wait_for(timeout=SCAN_MS)

@@ -1,0 +1,116 @@
+"""Commands are done in order on one thread, one long job at a time; what goes wrong is told and the page goes on."""
+
+import threading
+from collections.abc import Generator
+from dataclasses import replace
+
+import pytest
+
+from footscan.errors import CancelledError, DeviceError, InputError
+from footscan.gui import texts
+from footscan.gui.desk import Desk, Progress
+from tests.gui.until import until
+
+Told = list[tuple[str, str, bool]]
+
+
+@pytest.fixture
+def told() -> Told:
+    return []
+
+
+@pytest.fixture
+def desk(told: Told) -> Generator[Desk]:
+    desk = Desk(lambda title, body, wrong: told.append((title, body, wrong)))
+    desk.start()
+    yield desk
+    desk.close()
+
+
+def _settle(desk: Desk) -> None:
+    done = threading.Event()
+    desk.post(done.set)
+    assert done.wait(20.0)
+
+
+def test_commands_are_done_one_after_the_other_in_order(desk: Desk) -> None:
+    done: list[int] = []
+    for number in range(500):
+        desk.post(lambda number=number: done.append(number))
+    _settle(desk)
+
+    assert done == list(range(500))
+
+
+def test_a_new_state_is_shown_and_the_old_one_is_left_as_it_was(desk: Desk) -> None:
+    shown: list[str] = []
+    desk.listen(lambda state: shown.append(state.operator))
+    before = desk.state
+    desk.post(lambda: desk.change(operator="Anna"))
+    _settle(desk)
+
+    assert (before.operator, desk.state.operator, shown) == ("", "Anna", ["Anna"])
+
+
+def test_what_goes_wrong_is_told_in_words_and_the_next_command_is_done(desk: Desk, told: Told) -> None:
+    def refuse() -> None:
+        raise InputError("the date is impossible.")
+
+    desk.post(refuse)
+    desk.post(lambda: 1 / 0)  # type: ignore[arg-type]
+    desk.post(lambda: desk.change(operator="Anna"))
+    _settle(desk)
+
+    assert told[0] == (texts.FAILED, "the date is impossible.", True)
+    assert "ZeroDivisionError" in told[1][1] and "division by zero" not in told[1][1]
+    assert desk.state.operator == "Anna"
+
+
+def test_only_one_job_runs_and_its_end_comes_to_the_desk(desk: Desk, told: Told) -> None:
+    go, ended = threading.Event(), []
+
+    def work(progress: Progress) -> int:
+        progress(1, 2)
+        go.wait(20.0)
+        return 7
+
+    desk.post(lambda: desk.job("first", work, ended.append) and None)
+    desk.post(lambda: desk.job("second", lambda progress: 8, ended.append) and None)
+    _settle(desk)
+    until(lambda: desk.state.job is not None and desk.state.job.total == 2)
+    assert told == [(texts.WORKING, texts.BUSY, True)]
+    go.set()
+    until(lambda: desk.state.job is None and bool(ended))
+
+    assert ended == [7]
+
+
+def test_a_cancelled_job_stops_where_it_tells_its_progress(desk: Desk) -> None:
+    stopped, failures, steps = threading.Event(), [], []
+
+    def work(progress: Progress) -> None:
+        for step in range(10_000):
+            progress(step, 10_000)
+            steps.append(step)
+            stopped.wait(0.01)
+
+    desk.post(lambda: desk.job("long", work, lambda made: None, failures.append, stopped.set) and None)
+    until(lambda: bool(steps))
+    desk.cancel()
+    until(lambda: desk.state.job is None)
+
+    assert stopped.is_set()
+    assert isinstance(failures[0], CancelledError)
+    assert len(steps) < 10_000
+
+
+def test_a_job_that_fails_says_why_and_frees_the_desk(desk: Desk, told: Told) -> None:
+    def work(progress: Progress) -> None:
+        raise DeviceError("the camera is gone.")
+
+    desk.post(lambda: desk.job("scan", work, lambda made: None) and None)
+    until(lambda: bool(told))
+    _settle(desk)
+
+    assert told == [(texts.FAILED, "the camera is gone.", True)]
+    assert desk.state == replace(desk.state, job=None)

@@ -1,0 +1,93 @@
+"""The clinician's tab in a real browser: sections, maps, smoothing on a copy, files."""
+
+import csv
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from footscan.gui import texts
+from footscan.gui.visitor import Visitor as Operator
+from tests.gui.conftest import Served
+from tests.gui.until import until
+
+pytestmark = pytest.mark.browser
+Opens = Callable[..., Operator]
+
+
+@pytest.fixture
+def clinician(served: Served, operator: Opens, measured_patient: str) -> Operator:
+    me = operator(served.url)
+    me.is_known("Clara Clinician")
+    me.takes_patient(measured_patient)
+    me.goes_to(texts.TAB_INSPECT)
+    me.sees(re.compile("tape girth"))
+    return me
+
+
+def _tape_mm(me: Operator) -> float:
+    found = re.search(r"tape girth ([\d.]+) mm", me.html("tape girth"))
+    assert found is not None
+    return float(found[1])
+
+
+def test_a_section_follows_the_sliders(clinician: Operator, served: Served) -> None:
+    middle_mm = _tape_mm(clinician)
+    clinician.drags(texts.SECTION_SHARE, 70)
+    until(lambda: _tape_mm(clinician) != middle_mm)
+    toes_mm = _tape_mm(clinician)
+    clinician.drags(texts.SECTION_TILT, 110)
+    until(lambda: abs(served.page.desk.state.inspect.tilt_deg) > 45 and _tape_mm(clinician) != toes_mm)
+    level_mm = _tape_mm(clinician)
+
+    assert 180 < middle_mm < 300
+    assert toes_mm < middle_mm < level_mm
+    clinician.drags(texts.SECTION_SHARE, 300)
+    clinician.drags(texts.SECTION_TILT, -300)
+
+
+def test_downloads_hold_the_measured_foot(clinician: Operator, tmp_path: Path) -> None:
+    for name, file_name in texts.DOWNLOAD_NAMES.items():
+        with clinician.tab.expect_download() as download:
+            clinician.button(name).click()
+        download.value.save_as(tmp_path / file_name)
+    mesh = trimesh.load_mesh(tmp_path / "surface.stl")
+    measured = json.loads((tmp_path / "measurements.json").read_text())["measurements"]
+    with (tmp_path / "measurements.csv").open(newline="") as stream:
+        rows = {row["name"]: row for row in csv.DictReader(stream)}
+
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(trimesh.load_mesh(tmp_path / "surface.ply").volume, rel=1e-4)
+    assert measured.keys() == rows.keys()
+    assert float(rows["foot_length"]["value"]) == measured["foot_length"]["value"]
+    assert "pternion" in rows["foot_length"]["definition"]
+    assert (tmp_path / "report.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_maps_have_legends_and_names_their_definition(clinician: Operator, served: Served) -> None:
+    clinician.chooses(texts.SHOW, "Distance to points")
+    clinician.sees(re.compile("0.4 mm or more"))
+    clinician.chooses(texts.SHOW, "Seen / assumed")
+    clinician.sees("assumed")
+    meaning = clinician.tab.get_by_text("ball girth", exact=True).first.get_attribute("title")
+
+    assert meaning is not None and "metatars" in meaning.lower()
+
+
+def test_smoothing_is_tried_on_a_copy_and_states_its_price(clinician: Operator, served: Served) -> None:
+    before = served.page.desk.state.takes[0].result
+    clinician.tab.get_by_text(texts.SMOOTHING).click()
+    clinician.presses(texts.SMOOTH_GO)
+    clinician.button(texts.SMOOTH_BACK).wait_for()
+    tried = served.page.desk.state.inspect.tried
+
+    assert tried is not None
+    assert tried.price["after"]["mesh_volume_cm3"] != tried.price["before"]["mesh_volume_cm3"]
+    assert tried.price["after"]["foot_length"] == pytest.approx(tried.price["before"]["foot_length"], abs=2.0)
+    clinician.sees(re.compile("^Shown: filter"))
+    clinician.presses(texts.SMOOTH_BACK)
+    until(lambda: served.page.desk.state.inspect.tried is None)
+    assert served.page.desk.state.takes[0].result == before

@@ -1,0 +1,53 @@
+"""Tables of measurements: nothing unreliable without its mark, nothing unescaped, the same numbers in the CSV."""
+
+import csv
+import io
+from typing import Any
+
+from footscan.gui.measurement_tables import measurement_table, measurements_csv, price_table
+
+
+def _value(value: float | None, *, reliable: bool = True, reason: str = "", unusual: str = "") -> dict[str, Any]:
+    interval = None if value is None else [value - 1.0, value + 1.0]
+    return {
+        "value": value, "unit": "mm", "reliable": reliable, "reason": reason, "interval": interval, "unusual": unusual
+    }  # fmt: skip
+
+
+MEASURED = {
+    "foot_length": _value(251.25),
+    "ball_girth": _value(None, reliable=False, reason='runs on "unseen" <skin>', unusual="wide & high"),
+}
+
+
+def test_what_is_not_reliable_or_unusual_is_marked_with_its_reason() -> None:
+    table = measurement_table(MEASURED)
+    first, second = table.split("<tr>")[2:4]
+
+    assert "251.2 mm" in first and "250.2 to 252.2" in first and "⚠" not in first
+    assert "⚠" in second and "❗" in second
+    assert "runs on &quot;unseen&quot; &lt;skin&gt;" in second
+    assert "wide &amp; high" in second
+
+
+def test_every_name_carries_its_definition() -> None:
+    assert 'title=""' not in measurement_table(MEASURED)
+
+
+def test_the_csv_holds_every_value_in_full() -> None:
+    rows = list(csv.DictReader(io.StringIO(measurements_csv(MEASURED).decode())))
+
+    assert [row["name"] for row in rows] == list(MEASURED)
+    assert (rows[0]["value"], rows[0]["from"], rows[0]["reliable"]) == ("251.25", "250.25", "True")
+    assert (rows[1]["value"], rows[1]["reason"]) == ("", 'runs on "unseen" <skin>')
+
+
+def test_the_price_of_smoothing_is_stated_with_units() -> None:
+    price = {
+        "before": {"mesh_volume_cm3": 900.0, "foot_length": 250.0},
+        "after": {"mesh_volume_cm3": 890.0, "foot_length": 249.5},
+    }
+    table = price_table("tried", price)
+
+    assert "mesh volume (cm³)" in table and "-10.00" in table
+    assert "foot length (mm)" in table and "-0.50" in table
