@@ -10,6 +10,7 @@ import typer
 from rich.table import Table
 
 from footscan import app as rig_app
+from footscan.cli.bench_page import bench_page_command
 from footscan.cli.console import STDERR, STDOUT, print_json
 from footscan.cli.scan import chosen_rig
 from footscan.compiled import announce_compilation
@@ -30,6 +31,9 @@ _TARGET_RATIO = {"582x500": 1.3, "1280x960": 2.0, "2448x2048": 3.5}
 
 def _design(path: Path | None) -> Scanner:
     return load_scanner(path) if path is not None else builtin_scanner("prototype")
+
+
+bench_app.command("page")(bench_page_command)
 
 
 @bench_app.callback()

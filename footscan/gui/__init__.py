@@ -4,10 +4,13 @@
 |---|---|
 | `texts` | every word on the page |
 | `door`, `gate`, `keys` | who may come in, which values are believed, who controls |
-| `state`, `desk` | the state in one place; the thread that alone changes it |
-| `station`, `adjust_light` | the open machine and the records |
-| `visit`, `visit_scan`, `visit_result` | what the operator does, step by step |
-| `live_picture`, `live_view`, `heartbeat` | pictures as they come; the watch over the browser |
-| `page` | the frame; one file `tab_*` or `panel_*` per part of it |
-| `serve` | from start to end |
+| `state`, `desk`, `binding` | the state in one place; the thread that alone changes it; from handles to commands |
+| `station` | the open machine and the records |
+| `visit`, `visit_scan`, `visit_result`, `visit_calibrate` | what people do, step by step |
+| `placement`, `adjust_light` | small programs for the machine: where the foot stands, light while a button is held |
+| `live_picture`, `view_foot`, `inspected`, `measurement_tables` | what is drawn and written |
+| `heartbeat`, `logbook` | the watch over the browser; what happened |
+| `page`, `panel_*`, `tab_*` | the frame; one file per part of it (`tab`: what a tab is) |
+| `serve`, `self_check` | from start to end; whether it stands |
+| `headless`, `visitor`, `screenshots`, `page_bench` | a browser without a window: checks, pictures, timings |
 """

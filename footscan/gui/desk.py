@@ -53,6 +53,11 @@ class Desk:
             if thread.is_alive():
                 thread.join(30.0)
 
+    @property
+    def waiting(self) -> bool:
+        """Commands wait."""
+        return not self._commands.empty()
+
     def listen(self, show: Callable[[PageState], None]) -> None:
         """Call this with every new state, on the desk's thread."""
         self._listeners.append(show)

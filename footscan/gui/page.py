@@ -52,7 +52,7 @@ class Page:
         self.log = Logbook(station.data / "page.log")
         self.keys = Keys(self.log.write, time.monotonic)
         self.desk = Desk(self._say, self._stop)
-        self._finished = threading.Event()
+        self._finished, self._news = threading.Event(), threading.Event()
         self._banners: dict[int, viser.GuiHtmlHandle] = {}
         self._buttons: dict[int, viser.GuiButtonHandle] = {}
         self._build()
@@ -65,7 +65,7 @@ class Page:
     def start(self) -> None:
         """Show it, and keep it up to date."""
         self.desk.start()
-        self.desk.post(lambda: self._tools.patients.find(""))
+        self.desk.post(lambda: self.tools.patients.find(""))
         self._heartbeat.start()
         self._ticker.start()
 
@@ -89,7 +89,7 @@ class Page:
         self.calibration = CalibrationWork(desk, station)
         scan, result = ScanWork(desk, station, self.view, self.calibration), ResultWork(desk, station)
         patients = PatientWork(desk, station)
-        self._tools = Tools(server, desk, station, self.view, self.log, patients, scan, result, self.calibration)
+        self.tools = Tools(server, desk, station, self.view, self.log, patients, scan, result, self.calibration)
         camera = gui.add_panel()
         with camera.add_tab(texts.CAMERA, viser.Icon.CAMERA):
             self.camera = CameraPanel(server, desk, station, scan)
@@ -101,16 +101,19 @@ class Page:
         camera.set_width(_CAMERA_PX)
         for part in (self.camera, *self._tabs):
             desk.listen(part.show)
+        desk.listen(lambda state: self._news.set())  # a moved slider is seen at once, not with the next tick
 
     def _add_tabs(self, group: viser.GuiTabGroupHandle) -> list[Tab]:
         tabs: list[Tab] = []
         for label, icon, make in TABS:
             with group.add_tab(label, icon):
-                tabs.append(make(self._tools))
+                tabs.append(make(self.tools))
         return tabs
 
     def _tick_on(self) -> None:
-        while not self._finished.wait(1.0 / TICKS_PER_S):
+        while not self._finished.is_set():
+            self._news.wait(1.0 / TICKS_PER_S)
+            self._news.clear()
             try:
                 self._tick()
             except Exception:  # noqa: BLE001 - the picture of a moment must not end all pictures

@@ -6,6 +6,7 @@ import viser
 
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
+from footscan.gui.corrections import Corrections
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.gui.visit import chosen_from, patient_words
@@ -32,6 +33,7 @@ class PatientTab:
             self._number = gui.add_text(texts.NUMBER, "", hint=texts.NUMBER_HINT)
             self._enter = gui.add_button(texts.ENTER, icon=viser.Icon.USER_PLUS)
         self._visits = gui.add_html("")
+        self._corrections = Corrections(tools)
         on_value(desk, self._operator, work.set_operator)
         on_value(desk, self._typed, work.find)
         on_press(desk, self._choose, lambda _: self._take_chosen())
@@ -44,6 +46,7 @@ class PatientTab:
         put_options(self._found, options, kept)
         put(self._choose, disabled=not state.found or state.job is not None)
         put(self._chosen, content=_box(_patient_html(state.patient)))
+        self._corrections.show(state)
         put(self._visits, content=_box(_takes_html(state)))
 
     def tick(self, snapshot: Snapshot) -> None:

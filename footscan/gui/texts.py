@@ -82,6 +82,17 @@ NAMESAKE_NO = "Same person: do not enter"
 NO_OPERATOR = "Type your name as operator first; it is kept with every scan."
 VISITS_HEAD = "<tr><th>Take</th><th>Day</th><th>Foot</th><th>Load</th><th>Verdict</th><th></th></tr>"
 IN_USE = "in use"
+CORRECT = "Put a take right"
+CORRECT_NONE = "(no take yet)"
+CORRECT_SAME = "as it is"
+CORRECT_HINT = "Choose only what was wrong; the recording itself stays as it is"
+CORRECT_PATIENT = "Right patient"
+CORRECT_PATIENT_HINT = "The number behind # in the list of patients; empty when the patient was right"
+CORRECT_REASON = "Reason"
+CORRECT_REASON_HINT = "A reason is needed; it is kept with your name"
+CORRECT_GO = "Put it right"
+CORRECT_GO_HINT = "What no longer fits is measured again; earlier results stay"
+CORRECTED, CORRECTED_WORDS = "Put right", "Take {take} is now filed as the {side} foot."
 
 # Scan
 FOR_PATIENT = "Scan for <b>{name}</b>"
@@ -270,6 +281,7 @@ JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
     "What would a calibration promise now?",
     "Closing the recording",
 )
+JOB_CORRECT = "Measuring again"
 JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
 
 GLOSSARY = {

@@ -7,9 +7,10 @@ from footscan.gui import texts
 from footscan.gui.desk import Desk
 from footscan.gui.state import PageState
 from footscan.gui.station import Station
-from footscan.records import NewPatient, Patient, Take
+from footscan.records import Correction, NewPatient, Patient, Take
 from footscan.records.spelling import born_from_text
 from footscan.workflow.scan import StoredScan, find_scans
+from footscan.workflow.visit import correct_take
 
 MOST_SHOWN = 20
 
@@ -74,6 +75,26 @@ class PatientWork:
         self.choose(patient.id)
         self._desk.say(texts.ENTERED, patient.name)
         return True
+
+    def correct(self, take_id: int, right: Correction, reason: str) -> None:
+        """Put a take where it belongs, and measure again what no longer fits."""
+        state = self._desk.state
+        if not state.operator or not reason.strip():
+            why = texts.CORRECT_REASON_HINT if state.operator else texts.NO_OPERATOR
+            self._desk.say(texts.FAILED, why, wrong=True)
+            return
+
+        def done(take: Take) -> None:
+            self.refresh()
+            self._desk.say(
+                texts.CORRECTED, texts.CORRECTED_WORDS.format(take=take.id, side=texts.SIDES[take.said.side])
+            )
+
+        self._desk.job(
+            texts.JOB_CORRECT,
+            lambda progress: correct_take(self._station.store, take_id, right, reason, state.operator, progress),
+            done,
+        )
 
     def refresh(self) -> None:
         """Read the chosen patient's takes again."""

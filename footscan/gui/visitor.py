@@ -34,14 +34,14 @@ class Visitor:
 
     def types(self, label: str, text: str) -> None:
         """Type into a field, in place of what stands there."""
-        box = self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input')
+        box = self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').first
         box.click()
         box.fill("")
         box.press_sequentially(text)
 
     def chooses(self, label: str, option: str) -> None:
         """Choose from a list."""
-        self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').click()
+        self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').first.click()
         self.tab.get_by_role("option", name=option).first.click()
 
     def sees(self, words: Any) -> None:

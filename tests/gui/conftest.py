@@ -98,6 +98,18 @@ def chromium() -> Generator["Browser"]:
         yield browser
 
 
+@pytest.fixture(scope="session")
+def me(chromium: "Browser", served: Served) -> Generator["Operator"]:
+    """One browser that controls the page, for all tests that leave it open."""
+    from footscan.gui.visitor import Visitor
+
+    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    visitor = Visitor(context.new_page(), served.url)
+    visitor.is_known("Olga Operator")
+    yield visitor
+    context.close()
+
+
 @pytest.fixture
 def operator(chromium: "Browser") -> Generator[Callable[..., "Operator"]]:
     from footscan.gui.visitor import Visitor

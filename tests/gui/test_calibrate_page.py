@@ -1,7 +1,6 @@
 """The technician's tab in a real browser: a new calibration is computed, looked at, and put in force."""
 
 import re
-from collections.abc import Callable
 
 import pytest
 
@@ -13,7 +12,6 @@ from tests.gui.conftest import Served
 from tests.gui.until import until
 
 pytestmark = pytest.mark.browser
-Opens = Callable[..., Operator]
 
 
 @pytest.fixture
@@ -27,15 +25,12 @@ def recorded(served: Served) -> str:
     return folder.name
 
 
-def test_a_calibration_is_computed_kept_out_and_then_put_in_force(
-    served: Served, operator: Opens, recorded: str
-) -> None:
+def test_a_calibration_is_computed_kept_out_and_then_put_in_force(served: Served, me: Operator, recorded: str) -> None:
     page = served.page
     truth = page.station.calibration
-    me = operator(served.url)
     page.desk.post(page.desk.change)
     me.goes_to(texts.TAB_CALIBRATE)
-    me.tab.get_by_text(texts.CALIBRATE_AGAIN).click()
+    me.tab.get_by_text(texts.CALIBRATE_AGAIN, exact=True).click()
     me.chooses(texts.CALIBRATE_RECORDING, recorded)
     me.presses(texts.CALIBRATE_GO)
     me.sees(re.compile("Expected error in the working volume"))
@@ -58,11 +53,9 @@ def test_a_calibration_is_computed_kept_out_and_then_put_in_force(
 
 
 def test_a_recording_is_begun_stopped_and_given_up_and_nothing_else_runs_meanwhile(
-    served: Served, operator: Opens
+    served: Served, me: Operator
 ) -> None:
     served.page.calibration.stops = 8
-    me = operator(served.url)
-    me.is_known("Olga Operator")
     me.takes_patient("Jürgen Muster")
     me.goes_to(texts.TAB_CALIBRATE)
     me.presses(texts.CALIBRATE_BEGIN)

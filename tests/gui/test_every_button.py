@@ -1,22 +1,22 @@
 """Buttons that no other test presses: namesakes, repeat, measure again, give up, keep, doctor, drills."""
 
 import re
-from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
+from footscan.records import NewPatient
+from footscan.workflow.visit import Filing, file_scan
 from tests.gui.conftest import Served
 from tests.gui.until import until
 
 pytestmark = pytest.mark.browser
-Opens = Callable[..., Operator]
 
 
-def test_a_namesake_is_entered_only_when_somebody_says_so(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_a_namesake_is_entered_only_when_somebody_says_so(served: Served, me: Operator) -> None:
+    me.goes_to(texts.TAB_PATIENT)
     store = served.page.station.store
     for answer, count in ((texts.NAMESAKE_NO, 1), (texts.NAMESAKE_YES, 2)):
         me.types(texts.NAME, "Anna Example")
@@ -27,9 +27,8 @@ def test_a_namesake_is_entered_only_when_somebody_says_so(served: Served, operat
         until(lambda wanted=count: len(store.find_patients("Anna Example", 9)) == wanted)
 
 
-def test_an_impossible_date_is_told_and_nobody_is_entered(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_an_impossible_date_is_told_and_nobody_is_entered(served: Served, me: Operator) -> None:
+    me.goes_to(texts.TAB_PATIENT)
     me.types(texts.NAME, "Ivo Impossible")
     me.types(texts.BORN, "1962-02-31")
     me.presses(texts.ENTER)
@@ -38,9 +37,7 @@ def test_an_impossible_date_is_told_and_nobody_is_entered(served: Served, operat
     assert not served.page.station.store.find_patients("Ivo", 9)
 
 
-def test_a_take_is_measured_again_with_another_threshold_and_repeated(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_a_take_is_measured_again_with_another_threshold_and_repeated(served: Served, me: Operator) -> None:
     me.enters("Rita Repeat")
     me.scans()
     first = served.page.desk.state.takes[0].result
@@ -59,8 +56,7 @@ def test_a_take_is_measured_again_with_another_threshold_and_repeated(served: Se
     me.tab.get_by_role("checkbox").first.click()  # automatic again
 
 
-def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
+def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, me: Operator) -> None:
     me.goes_to(texts.TAB_SYSTEM)
     me.presses(texts.EXAMINE)
     me.tab.get_by_role("dialog").get_by_role("button", name=texts.EXAMINE).click()
@@ -76,9 +72,7 @@ def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, o
     me.sees(re.compile("cancelled"))
 
 
-def test_the_stop_key_stops(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_the_stop_key_stops(served: Served, me: Operator) -> None:
     me.takes_patient("Jürgen Muster")
     me.goes_to(texts.TAB_SCAN)
     me.presses(texts.CHECK)
@@ -89,3 +83,24 @@ def test_the_stop_key_stops(served: Served, operator: Opens) -> None:
     me.sees(re.compile(texts.STOPPED_BY))
 
     assert not served.page.station.session.snapshot().armed
+
+
+def test_a_take_of_the_wrong_side_is_put_right_with_a_reason(served: Served, me: Operator, small_scan: Path) -> None:
+    store = served.page.station.store
+    patient = store.add_patient(NewPatient("Wanda Wrong"), "a test")
+    filing = Filing("a test", "right", "bipedal", "bare", process=False)
+    take = file_scan(store, patient.id, small_scan, filing, small_scan / "truth-calibration.toml")
+    me.takes_patient("Wanda Wrong")
+    me.tab.get_by_text(texts.CORRECT, exact=True).click()
+    me.tab.get_by_role("combobox", name=texts.SIDE).first.click()
+    me.tab.get_by_role("option", name="left").first.click()
+    me.presses(texts.CORRECT_GO)
+    me.sees(texts.CORRECT_REASON_HINT)
+    assert store.take(take.id).said.side == "right"
+    me.types(texts.CORRECT_REASON, "mixed up")
+    me.presses(texts.CORRECT_GO)
+    me.sees(texts.CORRECTED)
+    until(lambda: served.page.desk.state.job is None)
+
+    assert store.take(take.id).said.side == "left"
+    assert not store.take(take.id).stale

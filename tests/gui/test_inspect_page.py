@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,13 +14,10 @@ from tests.gui.conftest import Served
 from tests.gui.until import until
 
 pytestmark = pytest.mark.browser
-Opens = Callable[..., Operator]
 
 
 @pytest.fixture
-def clinician(served: Served, operator: Opens, measured_patient: str) -> Operator:
-    me = operator(served.url)
-    me.is_known("Clara Clinician")
+def clinician(me: Operator, measured_patient: str) -> Operator:
     me.takes_patient(measured_patient)
     me.goes_to(texts.TAB_INSPECT)
     me.sees(re.compile("tape girth"))

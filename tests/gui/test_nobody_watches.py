@@ -40,8 +40,9 @@ def _scanning(served: Served, operator: Opens, name: str) -> Operator:
     return me
 
 
-def test_a_reload_in_the_middle_of_a_scan_does_not_spoil_it(served: Served, operator: Opens) -> None:
-    me = _scanning(served, operator, "Rene Reload")
+def test_a_reload_in_the_middle_of_a_scan_does_not_spoil_it(served: Served, me: Operator) -> None:
+    me.enters("Rene Reload")
+    me.starts()
     me.tab.reload()
     me.sees(texts.YOU_CONTROL)
     me.goes_to(texts.TAB_SCAN)

@@ -1,7 +1,6 @@
 """The operator's whole visit in a real browser, by clicking, dragging and typing."""
 
 import re
-from collections.abc import Callable
 
 import pytest
 
@@ -11,12 +10,10 @@ from tests.gui.conftest import Served
 from tests.gui.until import until
 
 pytestmark = pytest.mark.browser
-Opens = Callable[..., Operator]
 
 
-def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, me: Operator) -> None:
+    me.goes_to(texts.TAB_PATIENT)
     me.types(texts.NAME, "Željko Đorđević 李")
     me.types(texts.BORN, "1950-02-28")
     me.presses(texts.ENTER)
@@ -44,9 +41,7 @@ def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, operator: 
     assert takes[0].remark == "swollen ankle"
 
 
-def test_a_dragged_threshold_changes_the_binary_picture_of_a_laser_held_on(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_a_dragged_threshold_changes_the_binary_picture_of_a_laser_held_on(served: Served, me: Operator) -> None:
     me.takes_patient("Anna Example")
     me.checks()
     me.presses("Binary")
@@ -73,9 +68,7 @@ def test_a_dragged_threshold_changes_the_binary_picture_of_a_laser_held_on(serve
     until(lambda: served.page.desk.state.camera.automatic)
 
 
-def test_a_double_click_starts_one_scan_and_stop_keeps_what_there_is(served: Served, operator: Opens) -> None:
-    me = operator(served.url)
-    me.is_known("Olga Operator")
+def test_a_double_click_starts_one_scan_and_stop_keeps_what_there_is(served: Served, me: Operator) -> None:
     me.enters("Dora Double")
     me.checks()
     me.presses(texts.START, clicks=2)

@@ -1,5 +1,6 @@
 """Two browsers at one machine: one controls, the other watches, asks, and is told."""
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -13,8 +14,8 @@ pytestmark = pytest.mark.browser
 Opens = Callable[..., Operator]
 
 
-def test_the_second_browser_watches_until_control_is_given(served: Served, operator: Opens) -> None:
-    first, second = operator(served.url), operator(served.url)
+def test_the_second_browser_watches_until_control_is_given(served: Served, me: Operator, operator: Opens) -> None:
+    first, second = me, operator(served.url)
     second.sees(texts.YOU_WATCH)
     first.is_known("Fiona First")
     second.goes_to(texts.TAB_SCAN)
@@ -38,4 +39,8 @@ def test_the_second_browser_watches_until_control_is_given(served: Served, opera
     until(lambda: served.page.desk.state.scan.side == "right")
     first.sees(texts.YOU_WATCH)
     first.presses(texts.STOP)  # everybody may stop
-    first.sees("stopped")
+    first.sees(re.compile(texts.STOPPED_BY))
+    first.presses(texts.TAKE_OVER)
+    second.presses(texts.GIVE)
+    first.sees(texts.YOU_CONTROL)
+    first.is_known("Olga Operator")

@@ -1,0 +1,56 @@
+"""In the Patient tab: a take that was filed for the wrong patient, side, load or skin is put right, with a reason."""
+
+from typing import Any
+
+from footscan.gui import texts
+from footscan.gui.binding import on_press, put, put_options
+from footscan.gui.state import PageState
+from footscan.gui.tab import Tools
+from footscan.records import Correction, Take
+
+
+class Corrections:
+    """Handles of the folder."""
+
+    def __init__(self, tools: Tools) -> None:
+        gui = tools.server.gui
+        self._desk, self._work = tools.desk, tools.patients
+        with gui.add_folder(texts.CORRECT, expand_by_default=False) as self._fold:
+            self._take = gui.add_dropdown(texts.TAKE, (texts.CORRECT_NONE,))
+            same = texts.CORRECT_SAME
+            self._side = gui.add_dropdown(texts.SIDE, (same, *texts.SIDES.values()), hint=texts.CORRECT_HINT)
+            self._load = gui.add_dropdown(texts.LOAD, (same, *texts.LOADS.values()), hint=texts.CORRECT_HINT)
+            self._surface = gui.add_dropdown(texts.SURFACE, (same, *texts.SURFACES.values()), hint=texts.CORRECT_HINT)
+            self._patient = gui.add_text(texts.CORRECT_PATIENT, "", hint=texts.CORRECT_PATIENT_HINT)
+            self._reason = gui.add_text(texts.CORRECT_REASON, "", hint=texts.CORRECT_REASON_HINT)
+            self._go = gui.add_button(texts.CORRECT_GO, hint=texts.CORRECT_GO_HINT)
+        on_press(self._desk, self._go, lambda _: self._put_right())
+
+    def show(self, state: PageState) -> None:
+        """Takes of the chosen patient."""
+        words = tuple(_words(take) for take in state.takes) or (texts.CORRECT_NONE,)
+        put_options(self._take, words, self._take.value if self._take.value in words else words[0])
+        put(self._fold, visible=bool(state.takes))
+        put(self._go, disabled=state.job is not None or not state.takes)
+
+    def _put_right(self) -> None:
+        take = next((take for take in self._desk.state.takes if _words(take) == self._take.value), None)
+        number = self._patient.value.strip().removeprefix("#")
+        if take is None or (number and not number.isdecimal()):
+            self._desk.say(texts.FAILED, texts.CORRECT_PATIENT_HINT if number else texts.CORRECT_NONE, wrong=True)
+            return
+        right = Correction(
+            int(number) if number else None,
+            _key(texts.SIDES, self._side.value),
+            _key(texts.LOADS, self._load.value),
+            _key(texts.SURFACES, self._surface.value),
+        )
+        self._work.correct(take.id, right, self._reason.value)
+
+
+def _words(take: Take) -> str:
+    return f"{texts.SIDES[take.said.side]}, {texts.LOADS[take.said.load]}  #{take.id}"
+
+
+def _key(words_by_key: dict[Any, str], words: str) -> Any:
+    return next((key for key, value in words_by_key.items() if value == words), None)
