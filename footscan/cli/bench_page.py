@@ -8,7 +8,7 @@ import typer
 
 from footscan.cli.console import STDOUT
 from footscan.cli.scan import chosen_rig
-from footscan.cli.serve import paced
+from footscan.cli.served import paced
 
 
 def bench_page_command(

@@ -2,16 +2,14 @@
 
 import json
 import sys
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from footscan.compiled import announce_compilation
-from footscan.scanning.sweep import Progress as ProgressCallback
-
+ProgressCallback = Callable[[int, int], None]
 STDERR = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
 STDOUT = Console(highlight=False, markup=False, soft_wrap=True, width=None if sys.stdout.isatty() else 200)
 
@@ -19,6 +17,8 @@ STDOUT = Console(highlight=False, markup=False, soft_wrap=True, width=None if sy
 @contextmanager
 def progress_bar(what: str, quiet: bool) -> Generator[ProgressCallback]:
     """A bar on standard error for work of known length; nothing with `quiet` or where nobody looks."""
+    from footscan.compiled import announce_compilation  # noqa: PLC0415 - not every command needs Numba
+
     if quiet or not STDERR.is_terminal:
         with announce_compilation(lambda text: None if quiet else STDERR.print(text)):
             yield lambda done, total: None

@@ -5,57 +5,24 @@ import sys
 import traceback
 from typing import Any
 
-import cv2
 import typer
 
-from footscan.cli.bench import bench_app
-from footscan.cli.calibrate import accept, board, calibrate
-from footscan.cli.calibration import calibration_app
-from footscan.cli.doctor import doctor
-from footscan.cli.drill import drill_app
-from footscan.cli.emulate import emulate
-from footscan.cli.info import info
-from footscan.cli.lasts import lasts_app
-from footscan.cli.measure import measure_command, section_command
-from footscan.cli.patients import patients_app
-from footscan.cli.process import process
-from footscan.cli.scan import scan_command, scans_command
-from footscan.cli.screenshots import screenshots
-from footscan.cli.serve import serve
-from footscan.cli.simulate import demo, simulate
-from footscan.cli.study import study_app
-from footscan.cli.support import support_bundle
+from footscan.cli.lazy import LazyCommands
 from footscan.errors import FootscanError
 
 app = typer.Typer(
     name="footscan",
+    cls=LazyCommands,
     help="Laser foot scanner: scan, measure, customise.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-app.command()(serve)
-app.command()(process)
-app.command()(info)
-app.command("measure")(measure_command)
-app.command("section")(section_command)
-app.command("scan")(scan_command)
-app.command("scans")(scans_command)
-app.command()(doctor)
-app.command()(emulate)
-app.command()(simulate)
-app.command()(board)
-app.command()(calibrate)
-app.command()(accept)
-app.command()(demo)
-app.command("support-bundle")(support_bundle)
-app.command()(screenshots)
-app.add_typer(bench_app, name="bench")
-app.add_typer(calibration_app, name="calibration")
-app.add_typer(drill_app, name="drill")
-app.add_typer(study_app, name="study")
-app.add_typer(patients_app, name="patients")
-app.add_typer(lasts_app, name="lasts")
+
+
+@app.callback()
+def _commands() -> None:
+    """Laser foot scanner: scan, measure, customise."""
 
 
 _UsageError = typer.BadParameter.__bases__[0]
@@ -64,7 +31,7 @@ _UsageError = typer.BadParameter.__bases__[0]
 
 def run() -> None:
     """Run the command line; exit status 0 done, 2 wrong use or bad input, 3 device trouble, 4 refused by a gate."""
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # its warnings are told in our own words
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "ERROR")  # its warnings are told in our own words
     try:
         sys.exit(app(prog_name="footscan", standalone_mode=False))
     except FootscanError as err:

@@ -7,7 +7,7 @@ import typer
 
 from footscan.cli.console import STDERR, STDOUT
 from footscan.cli.scan import chosen_rig
-from footscan.cli.serve import paced
+from footscan.cli.served import paced
 
 
 def screenshots(

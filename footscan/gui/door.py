@@ -5,8 +5,9 @@ import re
 import socket
 import threading
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -15,6 +16,7 @@ import websockets.asyncio.server
 from viser import _messages
 
 from footscan.errors import ConfigError, InputError
+from footscan.gui import texts
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 _PROXY_WORD = "docs/howto/network.md says how to open it to others through a reverse proxy with TLS and a log-in"
@@ -95,6 +97,30 @@ def open_door(address: Address, label: str) -> viser.ViserServer:
     for message in _UNUSED:
         server._websock_server.unregister_handler(message)  # pyright: ignore[reportPrivateUsage]
     return server
+
+
+@contextmanager
+def opened_door(address: Address) -> Generator[viser.ViserServer]:
+    """A door with a word that the machine is being opened; closed at the end of the block.
+
+    Raises:
+        InputError: As `check_address`.
+    """
+    with redirect_stdout(StringIO()):  # viser prints a banner that names the wrong things to do
+        server = open_door(address, texts.TITLE)
+    try:
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()
+        server.gui.add_html(f'<div style="padding:1em;font-size:16px">{texts.STARTING}</div>')
+        yield server
+    finally:
+        server.stop()
+
+
+def url_of(server: viser.ViserServer, address: Address) -> str:
+    """What a browser on this computer opens."""
+    host = f"[{address.host}]" if ":" in address.host else address.host
+    return f"http://{host}:{server.get_port()}"
 
 
 def _no_tunnel(verbose: bool = True) -> None:

@@ -55,8 +55,10 @@ class Page:
         self._finished, self._news = threading.Event(), threading.Event()
         self._banners: dict[int, viser.GuiHtmlHandle] = {}
         self._buttons: dict[int, viser.GuiButtonHandle] = {}
+        self._built = False
+        guard(server.gui, self._may, self._refused)  # before there is anything that could be pressed
         self._build()
-        guard(server.gui, self._may, self._refused)
+        self._built = True
         self._heartbeat = Heartbeat(station, self._holder, patience_s)
         self._ticker = threading.Thread(name="page", target=self._tick_on, daemon=True)
         server.on_client_connect(self._come)
@@ -137,7 +139,7 @@ class Page:
 
     def _may(self, client: int, uuid: str) -> bool:
         """Whoever controls may use everything; STOP is for everybody."""
-        return client == self.keys.holder or uuid == self.machine.stop._impl.uuid  # pyright: ignore
+        return self._built and (client == self.keys.holder or uuid == self.machine.stop._impl.uuid)  # pyright: ignore
 
     def _refused(self, client: int, why: str) -> None:
         self.log.write(f"browser {client} sent what was not taken: {why}")

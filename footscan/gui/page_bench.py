@@ -16,9 +16,9 @@ from playwright.sync_api import Browser
 from footscan.config.rig_file import Rig
 from footscan.errors import QualityError
 from footscan.gui import texts
-from footscan.gui.door import Address
+from footscan.gui.door import Address, url_of
 from footscan.gui.page import Page
-from footscan.gui.serve import open_page, url_of
+from footscan.gui.serve import open_page
 from footscan.gui.visitor import Visitor
 from footscan.records import NewPatient
 from footscan.scanning.session.states import FrameCount, LiveCount
@@ -106,7 +106,7 @@ def time_threshold(browser: Browser, rig: Rig, repeats: int) -> list[float]:
     """Milliseconds from a key on the threshold slider to the new binary picture in the browser."""
     with tempfile.TemporaryDirectory() as data, _quiet_page(rig, Path(data)) as page:
         tab = browser.new_page(viewport={"width": 1280, "height": 800})
-        me = Visitor(tab, url_of(page, Address(port=0)))
+        me = Visitor(tab, url_of(page.server, Address(port=0)))
         me.presses("Binary")
         me.slider(texts.THRESHOLD).evaluate("thumb => thumb.setAttribute('data-footscan-thumb', '1')")
         me.slider(texts.THRESHOLD).press("End")
@@ -125,7 +125,7 @@ def count_frames(browser: Browser | None, rig: Rig) -> tuple[FrameCount, LiveCou
     with tempfile.TemporaryDirectory() as data, _quiet_page(rig, Path(data)) as page:
         tab = None if browser is None else browser.new_page(viewport={"width": 1280, "height": 800})
         if tab is not None:
-            Visitor(tab, url_of(page, Address(port=0))).goes_to(texts.TAB_SCAN)
+            Visitor(tab, url_of(page.server, Address(port=0))).goes_to(texts.TAB_SCAN)
         scan_once(page, _new_patient(page))
         snapshot = page.station.session.snapshot()
         if tab is not None:

@@ -1,17 +1,16 @@
-"""From start to end: station, door and page, until somebody stops the program."""
+"""From an open door to the page, until somebody stops the program."""
 
 import signal
 import threading
 from collections.abc import Callable, Generator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from dataclasses import replace
-from io import StringIO
 from pathlib import Path
 
-from footscan.compiled import announce_compilation
+import viser
+
 from footscan.config.rig_file import Rig
-from footscan.gui import texts
-from footscan.gui.door import Address, check_address, open_door
+from footscan.gui.door import Address, opened_door
 from footscan.gui.heartbeat import PATIENCE_S
 from footscan.gui.page import Page
 from footscan.gui.self_check import check_page
@@ -28,52 +27,50 @@ def open_page(rig: Rig, data: Path, address: Address, patience_s: float = PATIEN
         InputError: The address cannot be used.
         FootscanError: As `open_station`.
     """
-    check_address(address)
+    with opened_door(address) as server, page_behind(server, rig, data, patience_s) as page:
+        yield page
+
+
+@contextmanager
+def page_behind(server: viser.ViserServer, rig: Rig, data: Path, patience_s: float = PATIENCE_S) -> Generator[Page]:
+    """Open machine and records, and show the page behind a door that is open already.
+
+    Raises:
+        FootscanError: As `open_station`.
+    """
     with open_station(rig, data) as station:
-        with redirect_stdout(StringIO()):  # viser prints a banner that names the wrong things to do
-            server = open_door(address, texts.TITLE)
+        server.gui.reset()
+        page = Page(server, station, patience_s)
+        page.start()
         try:
-            page = Page(server, station, patience_s)
-            page.start()
-            try:
-                yield page
-            finally:
-                page.close()
+            yield page
         finally:
-            server.stop()
+            page.close()
 
 
-def serve(rig: Rig, data: Path, address: Address, say: Say) -> None:
+def serve_behind(server: viser.ViserServer, rig: Rig, data: Path) -> None:
     """Serve until Ctrl-C or SIGTERM.
 
     Raises:
-        FootscanError: As `open_page`.
+        FootscanError: As `open_station`.
     """
     ended = threading.Event()
-    with announce_compilation(say), open_page(rig, data, address) as page:
+    with page_behind(server, rig, data):
         before = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGTERM, signal.SIGINT)}
         try:
-            say(f"footscan is at {url_of(page, address)}")
             ended.wait()
         finally:
             for number, handler in before.items():
                 signal.signal(number, handler)
 
 
-def serve_and_check(rig: Rig, data: Path, address: Address, say: Say) -> None:
+def check_behind(server: viser.ViserServer, rig: Rig, data: Path, address: Address, say: Say) -> None:
     """Serve, look at the page as a browser and as a stranger would, say what was found, and end.
 
     Raises:
         QualityError: The page does not stand.
-        FootscanError: As `open_page`.
+        FootscanError: As `open_station`.
     """
-    with announce_compilation(say), open_page(rig, data, address) as page:
-        say(f"footscan is at {url_of(page, address)}")
-        for sentence in check_page(replace(address, port=page.server.get_port())):
+    with page_behind(server, rig, data):
+        for sentence in check_page(replace(address, port=server.get_port())):
             say(sentence)
-
-
-def url_of(page: Page, address: Address) -> str:
-    """What a browser on this computer opens."""
-    host = f"[{address.host}]" if ":" in address.host else address.host
-    return f"http://{host}:{page.server.get_port()}"

@@ -28,13 +28,12 @@ PATIENCE_S = 20.0 * PACE
 """Of the machine's clock. A browser on a busy computer without a graphics card may be silent for seconds."""
 
 
-def quick_rig() -> Rig:
-    """The simulated machine with its quick profile alone, somebody who stands still on it, in paced time."""
+def still_rig(pace: float, profile: str) -> Rig:
+    """The simulated machine with one profile alone, somebody who stands still on it, in paced time."""
     rig = builtin_rig()
     assert rig.devices.world is not None
-    world = rig.devices.world.model_copy(update={"time": "paced", "pace": PACE, "person": "statue"})
-    quick = tuple(profile for profile in rig.motion.profile if profile.name == "quick")
-    motion = rig.motion.model_copy(update={"profile": quick})
+    world = rig.devices.world.model_copy(update={"time": "paced", "pace": pace, "person": "statue"})
+    motion = rig.motion.model_copy(update={"profile": (rig.profile(profile),)})
     return replace(rig, motion=motion, devices=rig.devices.model_copy(update={"world": world}))
 
 
@@ -59,8 +58,10 @@ Serve = Callable[..., AbstractContextManager[Served]]
 @pytest.fixture(scope="session")
 def serve() -> Serve:
     @contextmanager
-    def serving(data: Path, patience_s: float = PATIENCE_S) -> Generator[Served]:
-        with open_page(quick_rig(), data, Address(port=0), patience_s) as page:
+    def serving(
+        data: Path, patience_s: float = PATIENCE_S, pace: float = PACE, profile: str = "quick"
+    ) -> Generator[Served]:
+        with open_page(still_rig(pace, profile), data, Address(port=0), patience_s) as page:
             add_demo_patients(page.station.store)
             yield Served(page, data)
 

@@ -1,14 +1,11 @@
 """Buttons that no other test presses: namesakes, repeat, measure again, give up, keep, doctor, drills."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
-from footscan.records import NewPatient
-from footscan.workflow.visit import Filing, file_scan
 from tests.gui.conftest import Served
 from tests.gui.until import until
 
@@ -47,11 +44,11 @@ def test_a_take_is_measured_again_with_another_threshold_and_repeated(served: Se
     until(lambda: served.page.desk.state.takes[0].result != first and served.page.desk.state.job is None)
     again = served.page.desk.state.takes[0].result
     me.presses(texts.REPEAT)
-    me.sees(re.compile("Next: the left foot"))
+    until(lambda: served.page.desk.state.takes[0].verdict == "repeat")
 
     assert first is not None and again is not None
     assert again.settings["threshold"] == served.page.desk.state.camera.threshold != first.settings["threshold_used"]
-    assert served.page.desk.state.takes[0].verdict == "repeat"
+    assert served.page.desk.state.scan.side == "left"
     assert not served.page.desk.state.takes[0].in_use
     me.tab.get_by_role("checkbox").first.click()  # automatic again
 
@@ -85,22 +82,22 @@ def test_the_stop_key_stops(served: Served, me: Operator) -> None:
     assert not served.page.station.session.snapshot().armed
 
 
-def test_a_take_of_the_wrong_side_is_put_right_with_a_reason(served: Served, me: Operator, small_scan: Path) -> None:
+def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
+    served: Served, me: Operator, measured_patient: str
+) -> None:
     store = served.page.station.store
-    patient = store.add_patient(NewPatient("Wanda Wrong"), "a test")
-    filing = Filing("a test", "right", "bipedal", "bare", process=False)
-    take = file_scan(store, patient.id, small_scan, filing, small_scan / "truth-calibration.toml")
-    me.takes_patient("Wanda Wrong")
+    me.takes_patient(measured_patient)
+    before = served.page.desk.state.takes[0]
     me.tab.get_by_text(texts.CORRECT, exact=True).click()
-    me.tab.get_by_role("combobox", name=texts.SIDE).first.click()
-    me.tab.get_by_role("option", name="left").first.click()
+    me.tab.get_by_role("combobox", name=texts.LOAD).first.click()
+    me.tab.get_by_role("option", name=texts.LOADS["seated"]).first.click()
     me.presses(texts.CORRECT_GO)
     me.sees(texts.CORRECT_REASON_HINT)
-    assert store.take(take.id).said.side == "right"
+    assert store.take(before.id) == before
     me.types(texts.CORRECT_REASON, "mixed up")
     me.presses(texts.CORRECT_GO)
-    me.sees(texts.CORRECTED)
-    until(lambda: served.page.desk.state.job is None)
+    me.sees(texts.CORRECTED_WORDS.format(take=before.id, side=before.said.side))
+    after = store.take(before.id)
 
-    assert store.take(take.id).said.side == "left"
-    assert not store.take(take.id).stale
+    assert (after.said.load, after.said.side, after.stale) == ("seated", before.said.side, False)
+    assert after.result is not None and before.result is not None and after.result.id != before.result.id

@@ -6,18 +6,19 @@ import pytest
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
-from tests.gui.conftest import PACE, Serve, Served
+from tests.gui.conftest import Serve, Served
 from tests.gui.until import until
 
 pytestmark = pytest.mark.browser
 Opens = Callable[..., Operator]
-DEAD_MAN_S = 4.0
-"""Of the machine's clock: shorter than a scan, which is 14 s long."""
+DEAD_MAN_S = 8.0
+"""Shorter than the scan, which is 21 s long, and longer than a browser on a busy computer is silent."""
+FREEZE = "setTimeout(() => { const end = Date.now() + 120000; while (Date.now() < end); }, 0)"
 
 
 @pytest.fixture(scope="module")
 def hasty(serve: Serve, tmp_path_factory: pytest.TempPathFactory) -> Generator[Served]:
-    with serve(tmp_path_factory.mktemp("hasty"), DEAD_MAN_S) as page:
+    with serve(tmp_path_factory.mktemp("hasty"), DEAD_MAN_S, 1.0, "standard") as page:
         yield page
 
 
@@ -60,9 +61,5 @@ def test_a_killed_browser_switches_off_and_the_scan_is_kept(hasty: Served, opera
 
 def test_a_frozen_browser_switches_off_and_the_scan_is_kept(hasty: Served, operator: Opens) -> None:
     me = _scanning(hasty, operator, "Fred Frozen")
-    me.tab.evaluate(
-        "setTimeout(() => { const end = Date.now() + 60000 * PACE; while (Date.now() < end); }, 0)".replace(
-            "PACE", str(PACE)
-        )
-    )
+    me.tab.evaluate(FREEZE)
     _off_and_kept(hasty)

@@ -1,0 +1,51 @@
+"""What `footscan serve` does once its door is open."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import viser
+
+from footscan.cli.console import STDERR, STDOUT
+from footscan.cli.scan import chosen_rig
+from footscan.compiled import announce_compilation
+from footscan.config.rig_file import Rig
+from footscan.gui.door import Address
+from footscan.gui.serve import check_behind, serve_behind
+from footscan.records import RecordStore
+from footscan.records.data_folder import data_folder
+from footscan.workflow.demo_patients import add_demo_patients
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """Options of `footscan serve` that are not about its address."""
+
+    rig: Path | None
+    data: Path | None
+    demo: bool
+    check: bool
+
+
+def serve_wished(server: viser.ViserServer, address: Address, wishes: Wishes) -> None:
+    """Open machine and records and serve, or look whether the page stands.
+
+    Raises:
+        FootscanError: As `open_station`; a page that does not stand.
+    """
+    rig, folder = paced(chosen_rig(wishes.rig, fast=False)), data_folder(wishes.data)
+    if wishes.demo:
+        with RecordStore(folder) as store:
+            add_demo_patients(store)
+    with announce_compilation(STDERR.print):
+        if wishes.check:
+            check_behind(server, rig, folder, address, STDOUT.print)
+        else:
+            serve_behind(server, rig, folder)
+
+
+def paced(rig: Rig) -> Rig:
+    """A simulated machine must not stumble because this computer is busy; emulated wires need their real time."""
+    world = rig.devices.world
+    if world is None or world.time != "real" or rig.devices.emulated:
+        return rig
+    return replace(rig, devices=rig.devices.model_copy(update={"world": world.model_copy(update={"time": "paced"})}))
