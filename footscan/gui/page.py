@@ -123,7 +123,7 @@ class Page:
 
     def _tick(self) -> None:
         snapshot = self.station.session.snapshot()
-        if self.keys.wait_out(snapshot.state in BUSY or self.desk.state.job is not None):
+        if self.keys.wait_out(self._busy()):
             self._show_keys()
         self.machine.tick(snapshot)
         self.log.note_state(snapshot)
@@ -132,6 +132,9 @@ class Page:
         if self.server.get_clients():
             self.camera.tick()
             self.view.tick(snapshot)
+
+    def _busy(self) -> bool:
+        return self.station.session.snapshot().state in BUSY or self.desk.state.job is not None
 
     def _holder(self) -> viser.ClientHandle | None:
         holder = self.keys.holder
@@ -182,7 +185,8 @@ class Page:
         holder = self._holder()
         if holder is None or number == self.keys.holder:
             return
-        body = texts.TAKE_OVER_ASKED.format(seconds=ANSWER_S)
+        asked = texts.TAKE_OVER_ASKED.format(seconds=ANSWER_S)
+        body = f"{asked} {texts.TAKE_OVER_BUSY}" if self._busy() else asked
         client.add_notification(texts.TAKE_OVER, body, auto_close_seconds=ANSWER_S)
         ask(
             self.desk,

@@ -34,7 +34,7 @@ TAKE_OVER_TITLE = "Another browser asks for control"
 TAKE_OVER_BODY = "Give it away? Without an answer it goes over after {seconds:.0f} s, unless the machine is busy."
 TAKE_OVER_ASKED = "Asked. The other browser answers, or control comes to you after {seconds:.0f} s."
 TAKE_OVER_REFUSED = "The other browser keeps control."
-TAKE_OVER_BUSY = "The machine is busy; control stays where it is until it has ended."
+TAKE_OVER_BUSY = "While the machine is busy, control goes over only when the other browser agrees."
 GIVE, KEEP = "Give control", "Keep control"
 REFUSED_VALUE = "This value is not allowed and was not taken."
 ONLY_WATCHING = "You only watch. Ask for control first."
@@ -42,7 +42,6 @@ ONLY_WATCHING = "You only watch. Ask for control first."
 # Camera
 CAMERA = "Camera"
 PICTURE = "Picture"
-KINDS = ("Grey", "Binary", "Stripe", "Overlay")
 THRESHOLD = "Threshold"
 THRESHOLD_HINT = "Grey value above which a pixel counts as laser light"
 AUTOMATIC = "Automatic threshold"
@@ -69,7 +68,7 @@ FOUND = "Found"
 NOBODY_FOUND = "(nobody; enter a new patient below)"
 CHOOSE = "Take this patient"
 NEW_PATIENT = "New patient"
-NAME, BORN, NUMBER, NOTES = "Name", "Born", "Own number", "Notes"
+NAME, BORN, NUMBER = "Name", "Born", "Own number"
 BORN_HINT = "As year-month-day, such as 1962-03-31; may stay empty"
 NUMBER_HINT = "The clinic's number of the patient; may stay empty"
 ENTER = "Enter and take this patient"
@@ -274,7 +273,6 @@ CANCEL_HINT = "Ends what is being done; what was captured is kept"
 CANCELLED = "{what}: cancelled. What was captured is kept."
 FAILED = "That did not work"
 INTERNAL = "Something unexpected happened ({what}). Lasers and motor are off. Start footscan again if it stays."
-DONE = "Done"
 JOB_CHECK, JOB_SCAN, JOB_MEASURE, JOB_REPROCESS = "Checking", "Scanning", "Measuring", "Measuring again"
 JOB_SMOOTH, JOB_CALIBRATE, JOB_EMPTY = "Smoothing", "Computing", "Looking at the bare footboard"
 JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
@@ -284,12 +282,3 @@ JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
 )
 JOB_CORRECT = "Measuring again"
 JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
-
-GLOSSARY = {
-    "foot_length": "From the pternion, the hindmost point of the heel, to the tip of the longest toe, along the axis",
-    "ball_girth": "Tape around both heads of the metatarsals",
-    "instep_girth": "Tape around the middle of the foot, over the instep",
-    "foot_breadth": "Across the heads of the first and fifth metatarsal",
-    "heel_breadth": "Across the widest part of the heel",
-    "instep_height": "From the board to the top of the instep",
-}
