@@ -38,7 +38,7 @@ def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, me: Operat
         ("left", "accepted", True),
     ]
     assert {take.said.operator for take in takes} == {"Olga Operator"}
-    assert takes[0].remark == "swollen ankle"
+    assert (takes[0].verdict_remark, takes[0].verdict_by) == ("swollen ankle", "Olga Operator")
 
 
 def test_a_dragged_threshold_changes_the_binary_picture_of_a_laser_held_on(served: Served, me: Operator) -> None:
