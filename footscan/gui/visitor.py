@@ -106,10 +106,12 @@ class Visitor:
         self.tab.locator("b", has_text=name).first.wait_for()
 
     def checks(self) -> None:
-        """Check before a scan, and say that nobody's face is there."""
+        """Check before a scan, and say that nobody's face is there if that was not said already."""
         self.goes_to(texts.TAB_SCAN)
+        armed = self.tab.get_by_text(texts.ARMED, exact=True).count() > 0
         self.presses(texts.CHECK)
-        self.presses(texts.ARM_YES)
+        if not armed:
+            self.presses(texts.ARM_YES)
         self.sees(re.compile("^Checked"))
 
     def starts(self) -> None:
