@@ -129,7 +129,9 @@ def _calibration_words(station: Station) -> str:
     days = station.calibration_days()
     if days is None:
         return texts.CALIBRATION_UNDATED
-    why = html.escape("; ".join(station.notes))
+    why = html.escape("; ".join(doubt.sentence for doubt in station.doubts))
+    if station.invalid:
+        return f'<b style="color:{_RED}" title="{why}">{texts.CALIBRATION_INVALID}</b>'
     if days > OLDEST_DAYS:
         return f'<b style="color:{_AMBER}" title="{why}">{texts.CALIBRATION_OLD.format(days=days)}</b>'
     words = texts.CALIBRATION_TODAY if days < 1 else texts.CALIBRATION_AGE.format(days=days)

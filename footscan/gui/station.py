@@ -13,7 +13,7 @@ from footscan.records import RecordStore
 from footscan.records.data_folder import SCANS
 from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan, plan_scan
-from footscan.workflow.calibration_log import machine_name, read_log, reminders
+from footscan.workflow.calibration_log import Doubt, doubts, machine_name, read_log
 from footscan.workflow.doctor import examine_computer
 from footscan.workflow.opened_rig import OpenedRig
 
@@ -31,14 +31,14 @@ class Station:
         session: The control thread; another one after `reopen`.
         calibration: In force; None when there is none.
         calibration_words: Where it comes from.
-        notes: What speaks against relying on the calibration.
+        doubts: What spoke against relying on the calibration when that was last looked at.
     """
 
     def __init__(self, rig: Rig, data: Path, store: RecordStore) -> None:
         self.rig, self.data, self.store = rig, data, store
         self.calibration: Calibration | None
         self.calibration_words: str
-        self.notes: tuple[str, ...]
+        self.doubts: tuple[Doubt, ...]
         self.opened: OpenedRig
         self.session: Session
         self._open()
@@ -81,6 +81,15 @@ class Station:
             return None
         return (datetime.now(UTC) - made.astimezone(UTC)).days
 
+    def look_at_calibration(self) -> None:
+        """Read again what speaks against the calibration: somebody may have noted an intervention meanwhile."""
+        self.doubts = _doubts(self.data, self.calibration)
+
+    @property
+    def invalid(self) -> str:
+        """Why the calibration in force makes scans wrong; empty when it does not."""
+        return "; ".join(doubt.sentence for doubt in self.doubts if doubt.blocking)
+
     def reopen(self) -> None:
         """Close the machine and open it again, with the calibration that is in force now; nothing may be running.
 
@@ -114,7 +123,7 @@ class Station:
 
     def _open(self) -> None:
         self.calibration, self.calibration_words = app.calibration_in_force(self.rig, self.data)
-        self.notes = _notes(self.data, self.calibration)
+        self.look_at_calibration()
         opened = app.open_rig(self.rig)
         try:
             self.session = app.start_session(opened, self.calibration)
@@ -124,11 +133,10 @@ class Station:
         self.opened = opened
 
 
-def _notes(data: Path, calibration: Calibration | None) -> tuple[str, ...]:
-    """Reminders; the truth of a simulated machine has no date and needs none."""
-    if calibration is None or not calibration.created:
-        return ()
-    return tuple(reminders(calibration, read_log(data, machine_name(calibration)), datetime.now(UTC)))
+def _doubts(data: Path, calibration: Calibration | None) -> tuple[Doubt, ...]:
+    """None of a machine without a history: the truth of a simulated machine has no date and needs none."""
+    events = [] if calibration is None else read_log(data, machine_name(calibration))
+    return tuple(doubts(calibration, events, datetime.now(UTC))) if calibration is not None and events else ()
 
 
 @contextmanager

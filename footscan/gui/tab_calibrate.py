@@ -113,7 +113,7 @@ def _good(choice: CalibrationChoice) -> int:
 
 
 def _in_force(station: Station) -> str:
-    notes = "".join(f"<li>{html.escape(note)}</li>" for note in station.notes)
+    notes = "".join(f"<li>{html.escape(doubt.sentence)}</li>" for doubt in station.doubts)
     words = f"{texts.CALIBRATE_IN_FORCE} {html.escape(station.calibration_words)}"
     return f"{words}<ul style='margin:0'>{notes}</ul>" if notes else words
 

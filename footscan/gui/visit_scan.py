@@ -53,7 +53,8 @@ class ScanWork:
             return texts.NO_OPERATOR
         if self._station.calibration is None:
             return f"{self._station.calibration_words}. Calibrate the machine first."
-        return ""
+        self._station.look_at_calibration()
+        return texts.CALIBRATION_BAD.format(why=self._station.invalid) if self._station.invalid else ""
 
     def arm(self) -> None:
         """The operator has looked: lasers and motor may be switched on.
