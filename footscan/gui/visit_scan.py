@@ -20,8 +20,16 @@ from footscan.scanning.session.control import Session
 from footscan.scanning.session.states import Finding, State
 from footscan.scanning.sweep import SweepSettings
 from footscan.workflow.process import ProcessSettings
-from footscan.workflow.scan import ScanSettings, measure_recorded, prepare_machine, record_scan, scan_folder
-from footscan.workflow.visit import Filing, file_scan
+from footscan.workflow.scan import (
+    RECORDING,
+    ScanSettings,
+    lit_by_one_laser,
+    measure_recorded,
+    prepare_machine,
+    record_scan,
+    scan_folder,
+)
+from footscan.workflow.visit import Filing, file_scan, reprocess_take
 
 _ARM_S = 5.0
 _ABOUT_THE_FOOT = ("no foot", "foot partly out of view")
@@ -149,13 +157,20 @@ class ScanWork:
             self._desk.say(texts.FAILED, texts.NO_PATIENT_SCAN if state.operator else texts.NO_OPERATOR, wrong=True)
             return
         patient_id = state.patient.id
-        filing = Filing(state.operator, None, state.scan.load, state.scan.surface, unfinished=True)
-        self._desk.job(
-            texts.JOB_MEASURE,
-            lambda progress: file_scan(self._station.store, patient_id, folder, filing, progress=progress),
-            self._show,
-            self._stopped,
-        )
+        choice, by, store = state.scan, state.operator, self._station.store
+        filing = Filing(by, None, choice.load, choice.surface, unfinished=True, process=False)
+
+        def work(progress: Progress) -> Take:
+            settings = ProcessSettings(one_laser=lit_by_one_laser(folder / RECORDING))
+            take = file_scan(store, patient_id, folder, filing)
+            return reprocess_take(store, take.id, by, texts.KEPT_FILE, settings=settings, progress=progress)
+
+        def failed(err: FootscanError) -> None:
+            takes = takes_of(self._station, patient_id)  # it may be filed although nothing could be measured
+            self._desk.change(kept=kept_scans(self._station), takes=takes)
+            self._stopped(err)
+
+        self._desk.job(texts.JOB_MEASURE, work, self._show, failed)
 
     def _broken_off(self, err: FootscanError, folder: Path) -> None:
         kept = folder if (folder / "recording").is_dir() else self._station.scans

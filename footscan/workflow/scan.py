@@ -167,10 +167,19 @@ def process_words(folder: Path) -> list[str]:
     words = ["footscan", "process", str(folder / RECORDING), "--calibration", str(folder / CALIBRATION)]
     words += ["--out", str(folder / RESULTS)]
     try:
-        lasers = {record.laser for record in open_recording(folder / RECORDING).frames} - {"none"}
+        one_laser = lit_by_one_laser(folder / RECORDING)
     except FootscanError:
         return words
-    return [*words, "--one-laser"] if len(lasers) == 1 else words
+    return [*words, "--one-laser"] if one_laser else words
+
+
+def lit_by_one_laser(recording: Path) -> bool:
+    """Whether a scan was broken off before its second laser was on.
+
+    Raises:
+        RecordingError: It cannot be read.
+    """
+    return len({record.laser for record in open_recording(recording).frames} - {"none"}) == 1
 
 
 def scan_folder(scans: Path, side: Side, moment: datetime | None = None) -> Path:

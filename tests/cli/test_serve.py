@@ -1,6 +1,8 @@
 """`footscan serve`: refusals at once, demo patients, and the check that the page stands."""
 
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -30,11 +32,12 @@ def test_a_busy_port_is_said_with_the_way_out(tmp_path: Path) -> None:
 
 
 def test_the_check_of_a_page_with_demo_patients_ends_well(tmp_path: Path) -> None:
-    done = runner.invoke(app, ["serve", "--demo", "--check", "--port", "0", "--data", str(tmp_path)])
+    words = [sys.executable, "-m", "footscan.cli.main", "serve", "--demo", "--check", "--port", "0"]
+    done = subprocess.run([*words, "--data", str(tmp_path)], capture_output=True, text=True, check=False)
 
-    assert done.exit_code == 0, done.output
-    assert "The page answers" in done.output and "refused (403)" in done.output
-    assert "browser" in done.output
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "The page answers" in done.stdout and "refused (403)" in done.stdout
+    assert "browser" in done.stdout
     with RecordStore(tmp_path) as store:
         assert len(store.find_patients("", 9)) == 2
 

@@ -83,6 +83,6 @@ def test_a_double_click_starts_one_scan_and_stop_keeps_what_there_is(served: Ser
     assert served.log().count("machine: scanning: stand still") >= 1
     me.tab.get_by_text(texts.KEPT_SCANS).click()
     me.presses(texts.KEPT_FILE)
-    until(lambda: served.page.desk.state.job is None and not served.page.desk.state.kept)
+    until(lambda: bool(served.page.desk.state.takes) and not served.page.desk.state.kept)
 
     assert [take.said.side for take in served.page.desk.state.takes] == ["left"]
