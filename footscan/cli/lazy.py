@@ -28,6 +28,7 @@ PLACES = {
     "drill": "footscan.cli.drill:drill_app",
     "study": "footscan.cli.study:study_app",
     "patients": "footscan.cli.patients:patients_app",
+    "lasts": "footscan.cli.lasts:lasts_app",
 }
 """Command -> module and name of its function or group, in the order of `footscan --help`."""
 
