@@ -82,7 +82,8 @@ def tell_results(report: dict[str, Any], out: Path) -> None:
         STDOUT.print(f"Remark: {remark}")
     if "foot" in report:
         _tell_foot(report["foot"])
-    STDOUT.print(f"Results in {out}, start with report.png ({sum(report['seconds'].values()):.1f} s)")
+    first = "report.png" if "foot" in report else "preview.png"
+    STDOUT.print(f"Results in {out}, start with {first} ({sum(report['seconds'].values()):.1f} s)")
 
 
 def _tell_verdict(verdict: dict[str, Any], motion: dict[str, Any]) -> None:

@@ -5,6 +5,7 @@ least: an edge costs its length, less the sharper it is. A clean sharp edge is f
 cut runs along the strongest bend.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, maxi
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
+from footscan.shoelast.import_curves import on_curve
 from footscan.shoelast.mesh_topology import Edges, edges_of, face_normals, loops
 
 SHARP_RAD = np.radians(40.0)
@@ -51,8 +53,16 @@ class Regions:
         return ~(self.bottom | self.cone_top)
 
 
-def find_regions(xyz: Floats, faces: Ints) -> Regions:
+def find_regions(
+    xyz: Floats, faces: Ints, *, edge_seen: bool = True, curves: Mapping[str, Floats] | None = None
+) -> Regions:
     """Part a closed last in its rough frame.
+
+    Args:
+        xyz: `(n, 3)`.
+        faces: `(m, 3)`.
+        edge_seen: False for a last scanned on the board, whose feather edge is assumed and may be blunt.
+        curves: Dense curves `(k, 3)` of `feather_edge` and `cone_edge`, where the file brought them.
 
     Raises:
         MeshError: No feather edge or no cone edge, as on a foot.
@@ -64,12 +74,14 @@ def find_regions(xyz: Floats, faces: Ints) -> Regions:
     cost = _cost(xyz, edges, turn)
     middle = xyz[faces].mean(axis=1)
     cone_seed, rest_seed = _cone_seeds(smooth, area, middle, edges)
-    cone = _cut(edges, cost, cone_seed, rest_seed)
+    given = curves or {}
+    cone = _cut(edges, _guided(cost, xyz, edges, given.get("cone_edge")), cone_seed, rest_seed)
     bottom_seed = _largest(_eroded((-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5), edges), area, edges)
+    cost = _guided(cost, xyz, edges, given.get("feather_edge"))
     bottom = _cut(edges, cost, bottom_seed, _eroded(-smooth[:, 2] < _UPPER, edges) | cone)
     feather, feather_turn = _border(edges, bottom, turn)
     rim, cone_turn = _border(edges, cone, turn)
-    _check(xyz, feather, rim, feather_turn)
+    _check(xyz, feather, rim, feather_turn if edge_seen else np.full(1, np.pi))
     return Regions(bottom, cone, feather, rim, feather_turn, cone_turn)
 
 
@@ -98,6 +110,11 @@ def _cost(xyz: Floats, edges: Edges, turn: Floats) -> Ints:
     length = np.linalg.norm(xyz[edges.ends[:, 1]] - xyz[edges.ends[:, 0]], axis=1)
     share = np.exp(-((np.maximum(turn, 0.0) / _SOFT_RAD) ** 2))
     return np.maximum((_CAPACITY * length * (share + 0.002)).astype(np.int64), 1)
+
+
+def _guided(cost: Ints, xyz: Floats, edges: Edges, curve: Floats | None) -> Ints:
+    """Nothing is cheaper than to run along a curve that the file brought."""
+    return np.where(on_curve(xyz, edges.ends, curve), 1, cost)
 
 
 def _cone_seeds(smooth: Floats, area: Floats, middle: Floats, edges: Edges) -> tuple[Bools, Bools]:

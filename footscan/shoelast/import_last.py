@@ -1,5 +1,6 @@
 """From somebody else's mesh of a last to patches in the frame: what was changed is told in the remarks."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from footscan.errors import MeshError, QualityError
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.import_chart import chart_upper, loop_shares
+from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves
 from footscan.shoelast.import_edges import SHARP_RAD, Regions, find_regions
 from footscan.shoelast.import_fit import EdgeLine, FittedUpper, fit_disc, fit_upper
 from footscan.shoelast.import_pose import (
@@ -41,7 +43,7 @@ class ImportFit:
 
 
 def shoelast_from_mesh(
-    source: LastSource, side: Side, name: str, unit: str = "mm", pitch_mm: float | None = None
+    source: LastSource, side: Side, name: str, unit: str = "mm", pitch_mm: float | None = None, *, scanned: bool = False
 ) -> tuple[Shoelast, ImportFit]:
     """Import a last.
 
@@ -51,6 +53,7 @@ def shoelast_from_mesh(
         name: For people.
         unit: Of the file, for messages.
         pitch_mm: Heel height at which the last stands; None levels its bottom under the ball.
+        scanned: On the machine: bottom and feather edge are assumed.
 
     Returns:
         The last with points, lines, attachments and remarks, and how well it fits.
@@ -69,16 +72,35 @@ def shoelast_from_mesh(
     words = check_whole(closed, faces, rims) + check_crossings(trimmed.xyz, trimmed.faces)
     measured = np.ones(len(closed), dtype=np.bool_)
     measured[len(closed) - len(rims) :] = False
-    regions = find_regions(closed, faces)
+    given = {name: line @ frame[:3, :3].T + frame[:3, 3] for name, line in source.lines.items()}
+    curves = {name: dense_curve(given[name]) for name in EDGES if name in given}
+    regions = find_regions(closed, faces, edge_seen=not scanned, curves=curves)
+    loops = {"feather_edge": regions.feather_loop, "cone_edge": regions.cone_loop}
+    closed, taken = drawn_to_curves(closed, loops, curves)
     turn = heading_of(closed[regions.feather_loop])
     closed = closed @ turn[:3, :3].T
     shoelast, fit = _fitted(closed, faces, measured, regions)
-    shoelast = replace(shoelast, name=name, side=side, attachments=turned_attachments(trimmed.attachments, turn))
+    lines = {name: line @ turn[:3, :3].T for name, line in given.items() if name not in EDGES}
+    attachments = turned_attachments(trimmed.attachments, turn)
+    shoelast = replace(shoelast, name=name, side=side, attachments=attachments, lines=lines)
     shoelast = levelled(settled(shoelast), pitch_mm)
-    shoelast = with_points_and_lines(shoelast)
+    shoelast = _with_given_lines(with_points_and_lines(shoelast), shoelast.lines)
     _check_side(shoelast, side)
-    remarks = (*source.remarks, *repaired.remarks, *trimmed.remarks, *words, *_edge_words(regions), _fit_words(fit))
+    remarks = (
+        *source.remarks,
+        *repaired.remarks,
+        *trimmed.remarks,
+        *words,
+        *taken,
+        *_edge_words(regions),
+        _fit_words(fit),
+    )
     return replace(shoelast, remarks=remarks), fit
+
+
+def _with_given_lines(shoelast: Shoelast, given: Mapping[str, Floats]) -> Shoelast:
+    """Lines that the file brought stand before those that were found."""
+    return replace(shoelast, lines={**shoelast.lines, **given})
 
 
 def _extent(xyz: Floats) -> float:

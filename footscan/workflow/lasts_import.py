@@ -14,6 +14,7 @@ from footscan.shoelast.import_pose import likely_unit
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.rhino_read import read_3dm
 from footscan.shoelast.source import LastSource
+from footscan.workflow.lasts_scan import LAST_REMARKS
 
 MESH_KINDS = (".stl", ".obj", ".ply", ".off", ".glb", ".3mf")
 
@@ -47,7 +48,7 @@ def import_last(
     """
     source = read_last(place, unit)
     title = name or (place.name if place.is_dir() else place.stem)
-    shoelast, _ = shoelast_from_mesh(source, side, title, unit or "mm", pitch_mm)
+    shoelast, _ = shoelast_from_mesh(source, side, title, unit or "mm", pitch_mm, scanned=place.is_dir())
     return replace(shoelast, size_eu=size_eu, fitting=fitting, style=style)
 
 
@@ -64,9 +65,7 @@ def read_last(place: Path, unit: str | None) -> LastSource:
     if place.is_dir():
         if not (place / SURFACE).is_file():
             raise InputError(f"{place} holds no {SURFACE}; run `footscan process RECORDING --object last` first.")
-        return LastSource(
-            load_foot_mesh(place), remarks=("scanned: the bottom stood on the board and is assumed flat",)
-        )
+        return LastSource(load_foot_mesh(place), remarks=LAST_REMARKS)
     if kind in (".3dm", *STEP_KINDS, *IGES_KINDS) and unit not in (None, "mm"):
         raise InputError(f"{place} states its unit itself; leave --unit {unit} out.")
     if kind == ".3dm":

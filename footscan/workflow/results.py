@@ -9,6 +9,7 @@ from footscan.coordinates import Side
 from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityError, StorageError
 from footscan.scanning.point_file import save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
+from footscan.workflow.lasts_scan import LAST_REMARKS, last_report, save_last, scanned_last
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report, scan_verdict
 from footscan.workflow.texture import save_texture
@@ -48,7 +49,10 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     with stages.stage("preview.png"):
         save_preview(result, folder / "preview.png")
     report = scan_report(result, settings)
-    refusal = _add_foot(result, settings, folder, report, stages) if settings.kind == "foot" else None
+    if settings.kind == "last":
+        refusal = _add_last(result, folder, report, stages)
+    else:
+        refusal = _add_foot(result, settings, folder, report, stages)
     report["seconds"] = result.seconds | stages.seconds
     write_whole(folder / "scan.json", (json.dumps(report, indent=1) + "\n").encode())
     if refusal is not None:
@@ -63,6 +67,21 @@ def _remove_old(folder: Path) -> None:
             (folder / name).unlink(missing_ok=True)
     except OSError as err:
         raise StorageError(f"{folder} cannot be used for results ({err.strerror}); choose another place.") from err
+
+
+def _add_last(result: ScanResult, folder: Path, report: dict[str, Any], stages: Stages) -> FootscanError | None:
+    """Close and save the skin of a last; a refusal is noted in the report and returned."""
+    try:
+        with stages.stage("surface"):
+            surface, mesh = scanned_last(result.cloud)
+    except (MeshError, EmptyScanError) as refusal:
+        report["last"] = {"refused": str(refusal)}
+        return refusal
+    report["last"] = last_report(surface, mesh)
+    report["remarks"] += LAST_REMARKS
+    with stages.stage("surface files"):
+        save_last(surface, mesh, folder)
+    return None
 
 
 def _add_foot(

@@ -1,11 +1,15 @@
 """Digitised lasts are repaired, laid into the frame and fitted; what is no whole last is refused in one sentence."""
 
+import os
+from pathlib import Path
+
 import manifold3d
 import numpy as np
 import pytest
 import trimesh
 
 from footscan.errors import MeshError
+from footscan.foot.mesh_file import load_foot_mesh
 from footscan.shoelast.dimensions import dimensions
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.import_last import ImportFit, shoelast_from_mesh
@@ -165,3 +169,32 @@ def test_a_surface_that_passes_through_itself_is_refused(truth: Shoelast):
 
     with pytest.raises(MeshError, match="passes through itself"):
         imported(mesh, "left")
+
+
+def test_curves_of_the_file_count_before_what_is_detected(truth: Shoelast):
+    real = np.array([1.0, -1.0, 1.0])
+    lines = {name: truth.lines[name] * real for name in ("feather_edge", "cone_edge", "ball_break_line")}
+    lines["cone_edge"] = lines["cone_edge"] + np.array([0.0, 0.0, 5.0])
+    mesh = digitise(truth, Wear(COARSE, noise=0.02))
+    found, _ = shoelast_from_mesh(LastSource(mesh, lines), "left", "with curves", pitch_mm=12.0)
+    edge = truth.upper.grid(np.arange(20000) / 20000, np.array([0.0]))[0]
+    told = " | ".join(found.remarks)
+
+    assert "feather edge was taken from the file" in told
+    assert "cone edge lies 5.0 mm off" in told
+    assert np.ptp(found.lines["feather_edge"], axis=0) == pytest.approx(np.ptp(edge, axis=0), abs=0.3)
+    assert length(found.lines["ball_break_line"]) == pytest.approx(length(truth.lines["ball_break_line"]), abs=1e-6)
+
+
+def length(line: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def test_a_scanned_foot_is_no_last():
+    shared = os.environ.get("FOOTSCAN_SHARED")
+    if not shared:
+        pytest.skip("FOOTSCAN_SHARED names no shared data")
+    foot = load_foot_mesh(Path(shared) / "data/feet/left_foot.stl", "m")
+
+    with pytest.raises(MeshError, match="looks like a foot"):
+        imported(foot, "left")
