@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -156,8 +156,7 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
     content = proof_json(
         replace(custom.proof, top_line=real, worst_at=mirrored(custom.proof.worst_at, side)), held_json(custom)
     )
-    smooth = vars(custom.smoothness)
-    smooth = {name: list(one) if isinstance(one, tuple) else one for name, one in smooth.items()}
+    smooth = {name: _plain(one) for name, one in vars(custom.smoothness).items()}
     return content | {
         "last": custom.original.name,
         "side": side,
@@ -178,12 +177,14 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
             "changed_share": float(np.mean(custom.changed)),
         },
         "bottom_widened_mm": custom.widening_mm,
-        "smoothness": {
-            name: value if isinstance(value, float) else list(value) for name, value in vars(smooth).items()
-        },
+        "smoothness": smooth,
         "unmet": list(custom.unmet),
         "remarks": list(custom.posed.remarks),
     }
+
+
+def _plain(value: object) -> object:
+    return list(cast("tuple[float, ...]", value)) if isinstance(value, tuple) else value
 
 
 def _save_pictures(custom: CustomLast, folder: Path) -> None:
