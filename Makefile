@@ -43,6 +43,7 @@ bench: $(STAMP)
 	$(BIN)/footscan bench process
 	$(BIN)/footscan bench foot
 	$(BIN)/footscan bench session
+	$(BIN)/footscan bench lasts
 	$(BIN)/footscan bench calibration
 
 drill: $(STAMP)
@@ -50,6 +51,7 @@ drill: $(STAMP)
 	$(BIN)/footscan drill --rig configs/rig-emulated.toml
 	$(BIN)/footscan drill records
 	$(BIN)/footscan study motion --scans 40
+	$(BIN)/footscan study lasts
 	$(BIN)/footscan study machines --count 20
 
 clean:

@@ -18,7 +18,15 @@ from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
 from footscan.scanning.session.control import SessionSetup
 from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN
-from footscan.workflow import foot_bench, machines_study, picture_bench, process_bench, session_bench, stripe_bench
+from footscan.workflow import (
+    foot_bench,
+    lasts_bench,
+    machines_study,
+    picture_bench,
+    process_bench,
+    session_bench,
+    stripe_bench,
+)
 from footscan.workflow.designs import builtin_scanner
 from footscan.workflow.process import build_tables
 from footscan.workflow.simulate import simulate_board
@@ -199,3 +207,20 @@ def bench_picture(
                 f"{timing.name}, {timing.size}: {low:.1f} / {middle:.1f} ms a picture (minimum / median), "
                 f"{1000 / middle:.0f} a second in the middle (target 50)"
             )
+
+
+@bench_app.command("lasts")
+def bench_lasts(
+    repeats: Annotated[int, typer.Option(help="Runs of each step.", min=1, max=50)] = 3,
+) -> None:
+    """Rank, compare, customise and distances to a last; wall and processor seconds."""
+    with announce_compilation(STDERR.print):
+        timings = lasts_bench.time_lasts(repeats)
+    table = Table(title="seconds: minimum / median on the clock, minimum of the processor")
+    for column in ("step", "clock", "processor", "target", "baseline", "s"):
+        table.add_column(column, justify="right" if column != "step" else "left")
+    for t in timings:
+        target = "" if t.target_s is None else f"{t.target_s:g}"
+        other = "" if t.baseline_s is None else f"{t.baseline_s:.2f}"
+        table.add_row(t.step, f"{t.wall_s[0]:.2f} / {t.wall_s[1]:.2f}", f"{t.cpu_s:.2f}", target, t.baseline, other)
+    STDOUT.print(table)

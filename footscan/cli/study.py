@@ -10,6 +10,7 @@ from rich.table import Table
 
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
+from footscan.cli.study_lasts import study_lasts
 from footscan.config.io_models import Dialect
 from footscan.config.rig_file import load_rig
 from footscan.errors import ConfigError, InputError, QualityError
@@ -18,6 +19,7 @@ from footscan.workflow.driver_study import BAUDS, DIALECTS, REPLAYED_MM, SAME_MM
 from footscan.workflow.motion_study import CALIBRATIONS, Outcome, Tally, outcome_report, run_study, study_cases, tally
 
 study_app = typer.Typer(help="Seeded simulations that say what a part of footscan is worth.", no_args_is_help=True)
+study_app.command("lasts")(study_lasts)
 
 
 @study_app.callback()

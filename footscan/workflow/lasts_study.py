@@ -1,7 +1,8 @@
 """Fifty seeded deformed feet, each against its best last: does the customised last hold every one of them?"""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -102,13 +103,27 @@ def deformed(xyz_foot: Floats, foot: PreparedFoot, deformity: str, amount: float
 
 
 def run_lasts_study(
-    cases: tuple[StudyCase, ...], library: LastLibrary, settings: CustomSettings, done: Callable[[int, int], None]
+    cases: tuple[StudyCase, ...], library: LastLibrary, settings: CustomSettings
 ) -> Iterator[StudyOutcome]:
     """Customise the best therapeutic last for every foot."""
     entries = [entry for entry in library.entries() if entry.style == "therapeutic"]
-    for number, case in enumerate(cases):
+    for case in cases:
         yield _outcome(case, entries, library, settings)
-        done(number + 1, len(cases))
+
+
+def outcome_json(outcome: StudyOutcome) -> dict[str, Any]:
+    """One foot of `footscan study lasts --json`."""
+    custom = outcome.custom
+    found = {"last": outcome.last_id, "held": outcome.well, "refused": outcome.reason if custom is None else ""}
+    if custom is not None:
+        found |= {
+            "worst_violation_mm": custom.proof.worst_violation_mm,
+            "samples": custom.proof.samples,
+            "most_mm": float(custom.displacement_mm.max()),
+            "widening_mm": custom.widening_mm,
+            "rounds": custom.rounds,
+        }
+    return vars(outcome.case) | found
 
 
 def _outcome(case: StudyCase, entries: list[LastEntry], library: LastLibrary, settings: CustomSettings) -> StudyOutcome:
