@@ -278,8 +278,9 @@ class _Task:
         moved = np.zeros(len(state.skin.xyz_shoelast))
         rows = self.chart.rows(state.skin.uv[:, 0], state.skin.uv[:, 1])
         moved[: len(state.skin.uv)] = rows @ state.coefficients.ravel()
-        off = state.skin.xyz_shoelast - self.skin.xyz_shoelast
-        changed = np.linalg.norm(off, axis=1) > CHANGED_MM
+        way = np.linalg.norm(state.skin.xyz_shoelast - self.skin.xyz_shoelast, axis=1)
+        moved[len(state.skin.uv) :] = way[len(state.skin.uv) :]  # bottom and cone top move with their edges
+        changed = way > CHANGED_MM
         return CustomLast(
             shoelast=after,
             original=self.shoelast,
