@@ -12,7 +12,7 @@ from footscan.foot.nurbs_fit import bases_at, distance_mm, fit_tube, nearer_para
 from footscan.shoelast.import_chart import Chart
 from footscan.shoelast.patches import LATERAL, MEDIAL, ChordDisc, ruled_disc
 
-COUNT_U, COUNT_V = 128, 48
+COUNT_U, COUNT_V = 128, 40
 _COARSE_U, _COARSE_V = 48, 24
 _EDGE_WEIGHT = 30.0
 _EDGE_STEP_MM = 0.5

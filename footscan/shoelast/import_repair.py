@@ -8,7 +8,15 @@ import trimesh
 from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
 from footscan.shoelast.crossing_faces import crossing_faces
-from footscan.shoelast.mesh_topology import consistent, edge_names, face_normals, pieces, rims, welded
+from footscan.shoelast.mesh_topology import (
+    consistent,
+    edge_names,
+    face_normals,
+    pieces,
+    rims,
+    unique_rows,
+    welded,
+)
 
 _WELD_MM = 0.02
 _CRUMB_SHARE = 0.004
@@ -68,8 +76,8 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
 
 def _exactly_joined(xyz: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Vertices at the very same place as one, as STL repeats them for every face."""
-    _, first, place = np.unique(xyz, axis=0, return_index=True, return_inverse=True)
-    joined = place.reshape(-1)[faces]
+    _, first, place = unique_rows(xyz)
+    joined = place[faces]
     return xyz[first], joined[(joined != np.roll(joined, 1, axis=1)).all(axis=1)]
 
 
@@ -93,7 +101,9 @@ def check_crossings(xyz: Floats, faces: Ints) -> tuple[str, ...]:
 
 
 def _single(faces: Ints, remarks: list[str]) -> Ints:
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    low, middle, high = np.sort(faces, axis=1).T
+    size = int(faces.max()) + 1
+    _, first = np.unique((low * size + middle) * size + high, return_index=True)
     if len(first) < len(faces):
         remarks.append(f"{len(faces) - len(first)} duplicate faces were left out")
     return faces[np.sort(first)]

@@ -223,8 +223,19 @@ def test_results_of_an_earlier_scan_never_stay_beside_new_ones(result, tmp_path)
     save_results(result, ProcessSettings(kind="last"), tmp_path / "out")
 
     assert not (tmp_path / "out/measurements.json").exists()
-    assert not (tmp_path / "out/surface.stl").exists()
+    assert not (tmp_path / "out/report.png").exists()
     assert (tmp_path / "out/points.ply").is_file()
+
+
+def test_of_a_last_the_skin_is_closed_and_what_is_not_seen_is_said(result, tmp_path):
+    report = save_results(result, ProcessSettings(kind="last"), tmp_path / "out")
+    mesh = trimesh.load(tmp_path / "out/surface.stl")
+
+    assert mesh.is_watertight
+    assert "foot" not in report
+    assert report["last"]["skin"]["seen"] > 0.5
+    assert any("bottom is not seen" in remark for remark in report["remarks"])
+    assert (tmp_path / "out/surface.ply").is_file()
 
 
 def test_a_board_that_sank_or_rose_is_said_and_still_taken_out(small_scan, workshop):
