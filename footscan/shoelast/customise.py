@@ -39,7 +39,7 @@ from footscan.shoelast.widening import Widening, find_widening, no_rolling_under
 
 sparse: Any = scipy_sparse
 REGISTERING = 9000
-SEEN_SAMPLES = 110_000
+SEEN_SAMPLES = 106_000
 CHANGED_MM = 0.01
 MOST_ROUNDS = 4
 _EVERY = 4
@@ -53,7 +53,7 @@ leaves the foot for the sake of smoothness (the d^2 beside l^4 |Hessian|^2 of th
 _CELLS = 2
 _SPAN_SHARE = 0.5
 """Spans of the displacement's own net are at most this share of the transition length."""
-_LEAST_SAY, _LEAST_SHARE = 0.05, 0.05
+_LEAST_SAY, _LEAST_SHARE, _UNSEEN_SHARE = 0.05, 0.05, 0.2
 
 
 @dataclass(frozen=True)
@@ -330,13 +330,15 @@ def wanted_room(samples: FootSamples, posed: PosedFoot, profile: Profile, settin
 def _enough_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> tuple[FootSamples, Judged]:
     """Samples of which at least the proof's number are judged."""
     feather = FeatherLine(shoelast)
-    highest = 0.45 * posed.foot.value("foot_length")
-    rough = sample_foot(posed, 4000, highest)
-    share = float(judge(rough, feather.height_mm(rough.xyz), top_line).seen.mean())
+    low = top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1)
+    plain = sample_foot(posed, 4000, faces=low)
+    share = float(judge(plain, feather.height_mm(plain.xyz), top_line).seen.mean())
     if share < _LEAST_SHARE:
         raise QualityError(
             f"only {share:.0%} of the skin below the top line was seen; at least {_LEAST_SHARE:.0%} are needed to "
             "prove that the last holds the foot. Scan again with more of the foot in view."
         )
-    samples = sample_foot(posed, int(SEEN_SAMPLES / share), highest)
+    rough = sample_foot(posed, 8000, unseen_share=_UNSEEN_SHARE, faces=low)
+    share = float(judge(rough, feather.height_mm(rough.xyz), top_line).seen.mean())
+    samples = sample_foot(posed, int(SEEN_SAMPLES / share), unseen_share=_UNSEEN_SHARE, faces=low)
     return samples, judge(samples, feather.height_mm(samples.xyz), top_line)

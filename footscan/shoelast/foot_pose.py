@@ -178,7 +178,7 @@ def _stiff_remarks(joints: Joints, ground: _Ground, placed: PlacedFoot, length: 
 def _changes(foot: PreparedFoot, placed: PlacedFoot, shell: Shell) -> dict[str, float]:
     """What the bend changed: sections across, the dorsum's length over the ball, length and volume."""
     length = foot.value("foot_length")
-    share = np.linspace(0.45, 0.85, 41)
+    share = np.linspace(0.45, 0.85, 13)
     dorsum = np.array([_top(foot.shell, x * length) for x in share])
     sole = np.column_stack([np.linspace(0.0, length, 101), np.zeros(101), np.zeros(101)])
     tips = np.array([foot.points["pternion"], foot.points["foremost_point"]])

@@ -49,16 +49,22 @@ class FootSamples:
         return FootSamples(xyz, self.normal_foot, self.place, self.face, self.weight, self.seen)
 
 
-def sample_foot(posed: PosedFoot, count: int, highest_mm: float = np.inf) -> FootSamples:
+def sample_foot(
+    posed: PosedFoot, count: int, highest_mm: float = np.inf, unseen_share: float = 1.0, faces: Bools | None = None
+) -> FootSamples:
     """Spread places over a foot by area.
 
     Args:
         posed: The foot.
         count: About how many.
         highest_mm: Faces of the flat foot above this height get none.
+        unseen_share: How densely skin that was not seen is sampled beside seen skin.
+        faces: `(m,)` faces that get samples; None for all.
     """
     flat = posed.foot.shell
     area = area_mm2(flat) * (flat.xyz[flat.faces][:, :, 2].min(axis=1) < highest_mm)
+    area *= np.where(posed.foot.face_seen, 1.0, unseen_share)
+    area *= 1.0 if faces is None else faces
     total = np.cumsum(area)
     face = np.searchsorted(total, (np.arange(count) + 0.5) / count * total[-1])
     first, second = np.modf(np.outer(_R2, np.arange(1, count + 1)))[0]
