@@ -48,7 +48,7 @@ class LazyCommands(TyperGroup):
         made = getattr(importlib.import_module(module), name)
         if isinstance(made, typer.Typer):
             made.info.name = cmd_name
-            return typer.main.get_command(made)
+            return typer.main.get_group(made)
         alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
         alone.command(cmd_name)(made)
         return typer.main.get_command(alone)

@@ -1,5 +1,6 @@
 """`footscan screenshots`: pictures of the page for the documents."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,8 @@ from footscan.cli.console import STDERR, STDOUT
 from footscan.cli.scan import chosen_rig
 from footscan.cli.served import paced
 
+_PACE = 3.0
+
 
 def screenshots(
     out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("docs/pictures"),
@@ -16,5 +19,9 @@ def screenshots(
     """Use the page like a person over the simulated machine and keep pictures of it; needs Chromium and playwright."""
     from footscan.gui.screenshots import take_screenshots  # noqa: PLC0415 - needs a dependency of developers
 
-    made = take_screenshots(paced(chosen_rig(None, fast=False)), out, STDERR.print)
+    rig = paced(chosen_rig(None, fast=False))
+    assert rig.devices.world is not None
+    hurried = rig.devices.world.model_copy(update={"pace": _PACE})
+    rig = replace(rig, devices=rig.devices.model_copy(update={"world": hurried}))
+    made = take_screenshots(rig, out, STDERR.print)
     STDOUT.print(f"{len(made)} pictures in {out}")
