@@ -178,3 +178,17 @@ def test_only_seen_skin_counts_in_a_comparison(shoelast: Shoelast, foot: Prepare
     assert "toe" in compare(shoelast, foot).regions
     assert "toe" not in found.regions
     assert found.unseen is not None
+
+
+def test_a_wanted_girth_is_met_and_the_foot_still_held(shoelast: Shoelast, foot: PreparedFoot):
+    wanted = {"ball_girth": 258.0}
+
+    made = customise(shoelast, foot, "therapeutic", CustomSettings(transition_mm=20.0, girths_mm=wanted))
+
+    assert made.dimensions["ball_girth"][1] == pytest.approx(258.0, abs=1.5)
+    assert made.proof.holds
+
+
+def test_an_unknown_girth_is_refused(shoelast: Shoelast, foot: PreparedFoot):
+    with pytest.raises(InputError, match="waist_girth"):
+        customise(shoelast, foot, "therapeutic", CustomSettings(girths_mm={"toe_girth": 200.0}))
