@@ -92,8 +92,8 @@ def rank_by_values(
     costs = _costs(differences, bands) * np.array([weights[part] for part in parts])
     wrong = np.array([entry.side != side for entry in entries])
     fuller = _fuller_mm(differences, parts, bands)
-    width = np.abs(fuller) > profile_data()["width_rule"]["most_off_mm"]
     size = _size_costs(entries, values["foot_length"])
+    width = np.abs(fuller) > _most_fuller_mm(np.abs(fuller[(size == 0.0) & ~wrong]))
     scores = costs.sum(axis=1) + size + WRONG_SIDE * wrong + WRONG_WIDTH * width
     return [
         Ranked(
@@ -105,6 +105,13 @@ def rank_by_values(
         )
         for k in np.argsort(scores, kind="stable")
     ]
+
+
+def _most_fuller_mm(of_the_size_mm: Floats) -> float:
+    """From where on a last has the wrong width: never so little that no last of the foot's size is left."""
+    rule = profile_data()["width_rule"]
+    least = float(of_the_size_mm.min()) if len(of_the_size_mm) else 0.0
+    return max(rule["most_off_mm"], least + rule["beyond_best_mm"])
 
 
 def _size_costs(entries: Sequence[LastEntry], foot_length_mm: float) -> Floats:
