@@ -17,10 +17,9 @@ from footscan.workflow.calibration_log import OLDEST_DAYS
 _STYLE = """<style>
 .mantine-Button-root {{ min-height: 34px }}
 [id="{stop}"] {{ min-height: 50px; font-size: 19px; font-weight: 700 }}
-div:has(> [id="{stop}"]) {{ position: sticky; top: 0; z-index: 60; background: white; padding-top: 6px }}
-div:has(> [data-footscan="state"]) {{ position: sticky; top: 62px; z-index: 60; background: white }}
+[data-dock-area] .mantine-ScrollArea-viewport {{ max-height: calc(100vh - 345px) }}
 </style>"""
-"""Targets a hand can hit, and a head that does not scroll away; viser has neither."""
+"""Targets a hand can hit, and tabs that scroll by themselves, below a head that stays; viser has neither."""
 _BAR = "height:9px;border-radius:4px"
 _RED, _AMBER, _GREY = "#c81e1e", "#a85b00", "#444"
 

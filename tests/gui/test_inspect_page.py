@@ -87,3 +87,11 @@ def test_smoothing_is_tried_on_a_copy_and_states_its_price(clinician: Operator, 
     clinician.presses(texts.SMOOTH_BACK)
     until(lambda: served.page.desk.state.inspect.tried is None)
     assert served.page.desk.state.takes[0].result == before
+
+
+def test_stop_stays_in_view_however_far_a_tab_is_scrolled(clinician: Operator) -> None:
+    clinician.tab.get_by_text(texts.FILE, exact=True).scroll_into_view_if_needed()
+    box = clinician.button(texts.STOP).bounding_box()
+
+    assert box is not None
+    assert 0 <= box["y"] < 120
