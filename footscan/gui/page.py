@@ -20,6 +20,7 @@ from footscan.gui.station import Station
 from footscan.gui.tab import Tab, Tools
 from footscan.gui.tab_calibrate import CalibrateTab
 from footscan.gui.tab_inspect import InspectTab
+from footscan.gui.tab_last import LastTab
 from footscan.gui.tab_patient import PatientTab
 from footscan.gui.tab_scan import ScanTab
 from footscan.gui.tab_system import SystemTab
@@ -35,6 +36,7 @@ TABS: tuple[tuple[str, viser.IconName, Callable[[Tools], Tab]], ...] = (
     (texts.TAB_PATIENT, viser.Icon.USER, PatientTab),
     (texts.TAB_SCAN, viser.Icon.SCAN, ScanTab),
     (texts.TAB_INSPECT, viser.Icon.RULER, InspectTab),
+    (texts.TAB_LAST, viser.Icon.SHOE, LastTab),
     (texts.TAB_CALIBRATE, viser.Icon.GRID_DOTS, CalibrateTab),
     (texts.TAB_SYSTEM, viser.Icon.SETTINGS, SystemTab),
 )

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from footscan.config.recording_file import Load, Surface
 from footscan.coordinates import LaserName, Side
 from footscan.devices.diagnosis import Finding as Examined
+from footscan.gui.fitting import LastChoice
 from footscan.gui.inspected import TriedFoot
 from footscan.gui.live_picture import Kind
 from footscan.records import Patient, Take
@@ -113,6 +114,7 @@ class PageState:
         take: The scan just made.
         report: Its scan.json.
         inspect: Of the Inspect tab.
+        last: Of the Last tab.
         job: What runs.
         note: The last thing said in the Scan tab.
         kept: Scans that were never filed.
@@ -133,6 +135,7 @@ class PageState:
     take: Take | None = None
     report: dict[str, Any] | None = None
     inspect: InspectChoice = field(default_factory=InspectChoice)
+    last: LastChoice = field(default_factory=LastChoice)
     job: Job | None = None
     note: str = ""
     kept: tuple[StoredScan, ...] = ()

@@ -71,9 +71,9 @@ class InspectTab:
     def show(self, state: PageState) -> None:
         """What the desk says."""
         takes = measured_takes(state)
-        options = tuple(_words(take) for take in takes) or (texts.INSPECT_NONE,)
+        options = tuple(words_of_take(take) for take in takes) or (texts.INSPECT_NONE,)
         chosen = next((take for take in takes if take.id == state.inspect.take_id), takes[0] if takes else None)
-        put_options(self._take, options, options[0] if chosen is None else _words(chosen))
+        put_options(self._take, options, options[0] if chosen is None else words_of_take(chosen))
         put(self._shown, value=state.inspect.shown)
         put(self._beside, value=state.inspect.beside)
         busy = state.job is not None
@@ -101,7 +101,7 @@ class InspectTab:
         return self._feet[key]
 
     def _try_smoothing(self) -> None:
-        take = next((take for take in self._desk.state.takes if _words(take) == self._take.value), None)
+        take = next((take for take in self._desk.state.takes if words_of_take(take) == self._take.value), None)
         foot = None if take is None else self._open(take)
         if foot is None:
             self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
@@ -168,7 +168,7 @@ class InspectTab:
         put(self._section, content=_box(f"{outline_svg(cut)}<div>{words}</div>"))
 
     def _send(self, client: viser.ClientHandle) -> None:
-        take = next((take for take in self._desk.state.takes if _words(take) == self._take.value), None)
+        take = next((take for take in self._desk.state.takes if words_of_take(take) == self._take.value), None)
         foot = None if take is None else self._open(take)
         if foot is None:
             self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
@@ -180,7 +180,8 @@ class InspectTab:
         client.send_file_download(file_name, content, save_immediately=True)
 
 
-def _words(take: Take) -> str:
+def words_of_take(take: Take) -> str:
+    """How a take stands in a list."""
     day = take.said.recorded.astimezone().strftime("%Y-%m-%d %H:%M")
     used = f", {texts.IN_USE}" if take.in_use else ""
     return f"{texts.SIDES[take.said.side]} {day}{used}  #{take.id}"

@@ -3,6 +3,7 @@
 TITLE = "footscan"
 
 TAB_PATIENT, TAB_SCAN, TAB_INSPECT, TAB_CALIBRATE, TAB_SYSTEM = "Patient", "Scan", "Inspect", "Calibrate", "System"
+TAB_LAST = "Last"
 
 # Frame
 STOP = "STOP"
@@ -284,3 +285,70 @@ JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
 )
 JOB_CORRECT = "Measuring again"
 JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
+
+# Last
+
+LAST_FOOT = "Foot to fit"
+LAST_PROFILE = "Room for the foot"
+LAST_PROFILE_HINT = "therapeutic: the whole seen foot inside; comfort and dress: some pressure is usual"
+LAST_RANK = "Rank the lasts"
+LAST_RANK_HINT = "Compares the foot's measurements with every last of its side"
+LAST_CHOSEN = "Last"
+LAST_NONE = "(rank the lasts first)"
+LAST_COMPARE = "Lay it round the foot"
+LAST_COMPARE_HINT = "Places the foot in the chosen last and measures the room; needs a moment"
+LAST_SHOW = "Show last as"
+LAST_SHOW_KINDS = ("Last round the foot", "Clearance map", "Changed areas")
+LAST_HIDE = "Show the scan again"
+LAST_HIDE_HINT = "Takes the last out of the 3-D view"
+LAST_FOOT_NONE = "No measured foot yet. Scan one, or choose a patient who has one."
+LAST_RANKING_HEAD = (
+    "<tr><th></th><th>Last</th><th>Score</th><th>Ball length</th><th>Ball girth</th><th>Length</th></tr>"
+)
+LAST_RANKING_NOTE = "Lower is better. Columns: last less foot, mm. Length: free room in front of the toes, by sticks."
+LAST_REGION_HEAD = (
+    "<tr><th>Region</th><th>Least</th><th>5 %</th><th>Mean</th><th>95 %</th><th>Tight</th><th>Loose</th></tr>"
+)
+LAST_REGION_NOTE = "Room in mm of skin that was seen, above the feather edge; negative: the foot stands out."
+LAST_GIRTH_HEAD = "<tr><th>Tape, mm</th><th>Foot</th><th>Last</th><th>Last less foot</th></tr>"
+LAST_ALLOWANCES = "Allowances"
+LAST_TRANSITION = "Transition (mm)"
+LAST_TRANSITION_HINT = "How far a change reaches beyond the skin that asks for it; longer is softer and adds material"
+LAST_HOLD = "May take material away"
+LAST_HOLD_HINT = "At heel sides, waist and instep, where the foot has too much room; never at the toes"
+LAST_PIN_AT = "Pin at"
+LAST_PIN_RADIUS = "Pin radius (mm)"
+LAST_PIN_EXTRA = "Pin room (mm)"
+LAST_PIN_EXTRA_HINT = "Added to the least room there; negative where the last may press"
+LAST_PIN_ADD = "Set the pin"
+LAST_PIN_ADD_HINT = "A spot allowance, such as for a bunion or a hammer toe"
+LAST_PIN_CLEAR = "Take all pins out"
+LAST_PINS = "{count} pins: {words}"
+LAST_PINS_NONE = "No pins."
+LAST_CUSTOMISE = "Customise"
+LAST_CUSTOMISE_HINT = "The smoothest change of the last that holds the foot; a few seconds"
+LAST_RESULT = "Customised last"
+LAST_RESULT_NONE = "Nothing customised yet."
+LAST_HOLDS = '<b style="color:#087030">The last holds the seen foot.</b>'
+LAST_HOLDS_NOT = '<b style="color:#b00020">The last does not hold the seen foot.</b>'
+LAST_PROOF = (
+    "{samples} samples of seen skin against the final mesh; worst lack of room {worst:.2f} mm (allowed 0.05). "
+    "Unseen skin decides nothing. A flat scan does not prove the pitched shape."
+)
+LAST_UNMET = "Not met: {what}"
+LAST_DIMENSION_HEAD = "<tr><th>Dimension</th><th>Before</th><th>After</th></tr>"
+LAST_FILES = "Take the last away"
+LAST_FILE = "As"
+LAST_FILE_HINT = "The real side, mm, with its datum; STL, OBJ and PLY within 0.02 mm of the surface"
+LAST_FILE_NAMES = {"STL": "stl", "3DM": "3dm", "STEP": "step", "DXF": "dxf", "Sheet": "pdf", "JSON": "json"}
+LAST_ENGRAVE = "Engrave"
+LAST_ENGRAVE_HINT = "Cut into the cone top of STL and 3DM: order, side, size; no patient's name"
+LAST_LEGEND = (
+    '<span style="color:#8c0a14">■</span> -6 mm &nbsp; <span style="color:#fa965a">■</span> -2 &nbsp; '
+    '<span style="color:#999">□</span> 0 &nbsp; <span style="color:#6eb4eb">■</span> 3 &nbsp; '
+    '<span style="color:#0f2d78">■</span> 10 mm &nbsp; <span style="color:#969696">■</span> never seen: not judged'
+)
+LAST_LEGEND_CHANGED = (
+    '<span style="color:#b08050">■</span> as the standard last &nbsp; <span style="color:#bbb">■</span> changed'
+)
+JOB_RANK, JOB_FIT, JOB_CUSTOMISE, JOB_EXPORT = "Ranking lasts", "Laying the last", "Customising", "Writing the last"

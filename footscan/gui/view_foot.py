@@ -131,6 +131,11 @@ class FootView:
             y_mm = aside_mm * (1 if number == 0 else -1)
             self._feet.append(self._add_mesh(f"/foot/{number}", mesh, shown, y_mm))
 
+    def show_or_hide(self, visible: bool) -> None:
+        """Hide the feet while a last is shown in their place."""
+        for handle in self._feet:
+            handle.visible = visible
+
     def _add_mesh(self, name: str, mesh: trimesh.Trimesh, shown: Shown, y_mm: float) -> viser.GlbHandle:
         rgb = colours(mesh, shown)
         alpha = np.full((len(rgb), 1), 255, np.uint8)

@@ -1,0 +1,90 @@
+"""Lasts in the 3-D view: round the foot, as a clearance map, with changed areas. The scene is in metres."""
+
+import numpy as np
+import trimesh
+import viser
+from trimesh.visual import ColorVisuals
+
+from footscan.coordinates import Bytes, Floats, Ints, Side
+from footscan.gui.fitting import FittedLast, LastChoice, custom_clearance
+from footscan.gui.view_foot import FootView
+from footscan.shoelast.custom_last import CustomLast
+from footscan.shoelast.foot_pose import PosedFoot
+from footscan.shoelast.handed import mirrored, mirrored_mesh
+from footscan.workflow.lasts_colours import UNCHANGED, UNSEEN, change_colours, clearance_colours
+
+_M = 0.001
+_SKIN = (224, 160, 128)
+_SEE_THROUGH = 0.35
+_PLACE_M = (-0.14, 0.0, 0.0)
+"""Of the last's frame: a last of 280 mm stands over the middle of the board."""
+
+
+class LastView:
+    """The last's own things in the scene; the foot of the scan is hidden meanwhile."""
+
+    def __init__(self, server: viser.ViserServer, feet: FootView) -> None:
+        self._scene, self._feet = server.scene, feet
+        self._handles: list[viser.GlbHandle | viser.MeshHandle] = []
+
+    def clear(self) -> None:
+        """Show the feet of the scan again."""
+        for handle in self._handles:
+            handle.remove()
+        if self._handles:
+            self._feet.show_or_hide(True)
+        self._handles = []
+
+    def show(self, choice: LastChoice, target_mm: float = 0.0) -> None:
+        """What was chosen: the last round the foot, the clearance map, or what was changed."""
+        self.clear()
+        fitted, custom = choice.fitted, choice.custom
+        if choice.shown == "Changed areas" and custom is not None:
+            skin = custom.skin
+            self._add(
+                "changed", skin.xyz_shoelast, skin.faces, change_colours(custom.displacement_mm), custom.shoelast.side
+            )
+        elif fitted is not None and fitted.comparison.posed is not None:
+            self._round_the_foot(choice, fitted, fitted.comparison.posed, custom, target_mm)
+        if self._handles:
+            self._feet.show_or_hide(False)
+
+    def _round_the_foot(
+        self, choice: LastChoice, fitted: FittedLast, posed: PosedFoot, custom: CustomLast | None, target_mm: float
+    ) -> None:
+        side = fitted.shoelast.side
+        foot = posed if custom is None else custom.posed
+        xyz, faces = foot.shell.xyz, np.asarray(foot.shell.faces)
+        if choice.shown == "Clearance map":
+            clearance = fitted.clearance_mm if custom is None else custom_clearance(custom)
+            self._add("clearance", xyz, faces, clearance_colours(clearance, target_mm), side)
+            return
+        seen = np.zeros(len(xyz), dtype=np.bool_)
+        seen[faces[foot.foot.face_seen]] = True
+        self._add("foot", xyz, faces, np.where(seen[:, None], _SKIN, UNSEEN).astype(np.uint8), side)
+        skin = fitted.skin if custom is None else custom.skin
+        self._add_clear(skin.xyz_shoelast, skin.faces, side)
+
+    def _add(self, name: str, xyz: Floats, faces: Ints, rgb: Bytes, side: Side) -> None:
+        drawn = mirrored_mesh(trimesh.Trimesh(xyz, faces, process=False), side)
+        drawn.apply_scale(_M)
+        alpha = np.full((len(rgb), 1), 255, np.uint8)
+        drawn.visual = ColorVisuals(drawn, vertex_colors=np.hstack([rgb, alpha]))
+        handle = self._scene.add_mesh_trimesh(
+            f"/last/{name}", drawn, position=_PLACE_M, cast_shadow=False, receive_shadow=False
+        )
+        self._handles.append(handle)
+
+    def _add_clear(self, xyz: Floats, faces: Ints, side: Side) -> None:
+        corner = faces[:, ::-1] if side == "left" else faces
+        handle = self._scene.add_mesh_simple(
+            "/last/last",
+            (mirrored(xyz, side) * _M).astype(np.float32),
+            corner.astype(np.uint32),
+            color=UNCHANGED,
+            opacity=_SEE_THROUGH,
+            position=_PLACE_M,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._handles.append(handle)

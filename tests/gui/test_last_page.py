@@ -1,0 +1,63 @@
+"""The Last tab in a real browser: rank, lay round the foot, a pin, customise, take away."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from footscan.gui import texts
+from footscan.gui.visitor import Visitor as Operator
+from tests.gui.conftest import Served
+from tests.gui.until import until
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def clinician(me: Operator, measured_patient: str) -> Operator:
+    me.takes_patient(measured_patient)
+    me.goes_to(texts.TAB_LAST)
+    return me
+
+
+def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: Served, tmp_path: Path) -> None:
+    desk = served.page.desk
+    clinician.presses(texts.LAST_RANK)
+    until(lambda: len(desk.state.last.ranking) > 0 and desk.state.job is None)
+    ranking = desk.state.last.ranking
+    clinician.sees(ranking[0].entry.name)
+    clinician.presses(texts.LAST_COMPARE)
+    until(lambda: desk.state.last.fitted is not None)
+    clinician.sees(re.compile("never seen|negative: the foot stands out"))
+    clinician.chooses(texts.LAST_SHOW, "Clearance map")
+    until(lambda: desk.state.last.shown == "Clearance map")
+    clinician.sees(re.compile("never seen: not judged"))
+    clinician.picture(tmp_path / "clearance.png")
+    clinician.presses(texts.LAST_PIN_ADD)
+    clinician.sees(re.compile("1 pins: metatarsale tibiale"))
+    clinician.presses(texts.LAST_CUSTOMISE)
+    until(lambda: desk.state.last.custom is not None, 120.0)
+    clinician.sees(re.compile("The last (holds|does not hold)"))
+    clinician.picture(tmp_path / "customised.png")
+    custom = desk.state.last.custom
+    files: dict[str, Path] = {}
+    for label in ("STL", "JSON"):
+        with clinician.tab.expect_download() as download:
+            clinician.button(label).click()
+        files[label] = tmp_path / download.value.suggested_filename
+        download.value.save_as(files[label])
+
+    assert custom is not None
+    assert [one.score for one in ranking] == sorted(one.score for one in ranking)
+    assert all(one.entry.side == "left" for one in ranking)
+    assert custom.shoelast.side == "left"
+    assert custom.changed.any()
+    mesh = trimesh.load(files["STL"], force="mesh")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(custom.skin.mesh().volume, rel=1e-3)
+    assert json.loads(files["JSON"].read_text())["side"] == "left"
+    assert files["STL"].name == f"{desk.state.last.last_id}-customised.stl"
+    clinician.presses(texts.LAST_HIDE)
+    until(lambda: desk.state.last.custom is None)
