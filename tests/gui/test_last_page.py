@@ -1,14 +1,13 @@
 """The Last tab in a real browser: rank, lay round the foot, a pin, customise, take away."""
 
-import json
 import re
 from pathlib import Path
 
 import pytest
-import trimesh
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
+from footscan.shoelast.rhino_read import read_3dm
 from tests.gui.conftest import Served
 from tests.gui.until import until
 
@@ -43,7 +42,7 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     clinician.picture(tmp_path / "customised.png")
     custom = desk.state.last.custom
     files: dict[str, Path] = {}
-    for label in ("STL", "JSON"):
+    for label in ("3DM", "Sheet"):
         with clinician.tab.expect_download() as download:
             clinician.button(label).click()
         files[label] = tmp_path / download.value.suggested_filename
@@ -54,10 +53,10 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     assert all(one.entry.side == "left" for one in ranking)
     assert custom.shoelast.side == "left"
     assert custom.changed.any()
-    mesh = trimesh.load(files["STL"], force="mesh")
-    assert mesh.is_watertight
+    mesh = read_3dm(files["3DM"]).mesh
+    mesh.merge_vertices(digits_vertex=4)
     assert mesh.volume == pytest.approx(custom.skin.mesh().volume, rel=1e-3)
-    assert json.loads(files["JSON"].read_text())["side"] == "left"
-    assert files["STL"].name == f"{desk.state.last.last_id}-customised.stl"
+    assert files["3DM"].name == f"{desk.state.last.last_id}-customised.3dm"
+    assert files["Sheet"].read_bytes().startswith(b"%PDF")
     clinician.presses(texts.LAST_HIDE)
     until(lambda: desk.state.last.custom is None)
