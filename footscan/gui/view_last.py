@@ -47,6 +47,7 @@ class LastView:
         elif fitted is not None and fitted.comparison.posed is not None:
             self._round_the_foot(choice, fitted, fitted.comparison.posed, custom, target_mm)
         if self._handles:
+            self._feet.show_section(())
             self._feet.show_or_hide(False)
 
     def _round_the_foot(
