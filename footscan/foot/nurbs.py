@@ -53,6 +53,12 @@ class SplineTube:
         return BSpline(self.knots_v, around, DEGREE, axis=0)(v, nu=order_v)
 
 
+def mirrored_tube(tube: SplineTube) -> SplineTube:
+    """The tube mirrored in the plane y = 0; u runs the other way, so that the outside stays outside."""
+    back = np.mod(2 - np.arange(tube.count_u), tube.count_u)
+    return SplineTube(np.ascontiguousarray(tube.net_mm[:, back] * np.array([1.0, -1.0, 1.0])), tube.knots_v)
+
+
 def periodic_knots(count: int) -> Floats:
     """Uniform knots `(count + 7,)` of a periodic cubic spline with that many control points on 0..1."""
     return np.arange(-DEGREE, count + DEGREE + 1) / count

@@ -6,8 +6,8 @@ import numpy as np
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
-from footscan.foot.closure import ClosureName, ClosureRule
-from footscan.foot.nurbs import SplineTube, clamped_knots, graded_breaks
+from footscan.foot.closure import ClosureRule
+from footscan.foot.nurbs import SplineTube, clamped_knots, graded_breaks, mirrored_tube
 from footscan.foot.nurbs_fit import distance_mm, fit_tube, nearer_parameters
 from footscan.foot.surface_bottom import AssumedSkin, assume_bottom
 from footscan.foot.surface_chart import FootChart, build_chart
@@ -32,20 +32,22 @@ class SurfaceSettings:
         tolerance_mm: Deviation that counts as ordinary; points beyond 4.7 times it do not count.
         passes: Fits, each with corrected parameters and weights.
         needed_share: Share of directions around the leg whose skin must reach the cut.
-        closure: Name of the closure rule.
         closure_share: Longest run of the rounding along the board over the foot's length.
+        soft_mm: The skin reaches the board this far inside the last bare board ...
+        soft_share: ... and this share of the foot's length further in.
         closure_weight: Weight of the assumed skin over the mean weight of points; small, so that it pulls no seen
             skin.
     """
 
     count_u: int = 180
     spans_v: int = 70
-    stiffness: float = 0.002
+    stiffness: float = 0.001
     tolerance_mm: float = 0.25
     passes: int = 2
     needed_share: float = 0.9
-    closure: ClosureName = "curvature-rounded"
     closure_share: float = 0.06
+    soft_mm: float = 4.0
+    soft_share: float = 0.02
     closure_weight: float = 0.003
 
 
@@ -88,6 +90,16 @@ class FootSurface:
         """Weighted RMS of the points' distances from the surface."""
         return float(np.sqrt((self.weight * self.residual_mm**2).sum() / max(float(self.weight.sum()), 1e-12)))
 
+    def mirrored(self) -> "FootSurface":
+        """Everything mirrored in the plane y = 0."""
+        return replace(
+            self,
+            tube=mirrored_tube(self.tube),
+            xyz_world=self.xyz_world * np.array([1.0, -1.0, 1.0]),
+            u=np.mod(-self.u, 1.0),
+            lowest_u=np.mod(-self.lowest_u, 1.0),
+        )
+
     def with_tube(self, tube: SplineTube) -> "FootSurface":
         """The same points with another surface; residuals follow."""
         return replace(self, tube=tube, residual_mm=distance_mm(tube, self.u, self.v, self.xyz_world))
@@ -106,6 +118,9 @@ def fit_foot_surface(
     weight: Floats,
     laser: Ints,
     settings: SurfaceSettings | None = None,
+    xy_board: Floats | None = None,
+    *,
+    mirrored: bool = False,
 ) -> FootSurface:
     """Fit a closed NURBS foot to a cleaned cloud.
 
@@ -114,6 +129,8 @@ def fit_foot_surface(
         weight: `(n,)` 0..1.
         laser: `(n,)` 0 right, 1 left.
         settings: What may be chosen; None for the defaults.
+        xy_board: `(m, 2)` places where the bare board was seen; None when nobody looked.
+        mirrored: Fit the mirror image and mirror the result: two feet that are mirror images get surfaces that are.
 
     Returns:
         The surface with its points, residuals and the border of what was seen.
@@ -127,33 +144,40 @@ def fit_foot_surface(
     check_border(xyz_world)
     kept = main_object(xyz_world)
     length = check_shape(xyz_world[kept])
-    cut = find_leg_cut(xyz_world[kept], settings.needed_share)
+    hand = np.array([1.0, -1.0 if mirrored else 1.0, 1.0])
+    cut = find_leg_cut(xyz_world[kept] * hand, settings.needed_share)
     kept &= xyz_world[:, 2] < cut.z_mm
-    points, weights = np.ascontiguousarray(xyz_world[kept], dtype=np.float64), weight[kept].astype(np.float64)
+    board = np.empty((0, 2)) if xy_board is None else xy_board
+    xyz, weight = np.ascontiguousarray(xyz_world[kept], dtype=np.float64), weight[kept].astype(np.float64)
+    strays = int(len(xyz_world) - kept.sum() - (xyz_world[:, 2] >= cut.z_mm).sum())
+    surface = _fit_one(xyz * hand, weight, laser[kept], board * hand[:2], cut, length, settings)
+    return replace(surface.mirrored() if mirrored else surface, strays=strays)
+
+
+def _fit_one(
+    points: Floats,
+    weights: Floats,
+    laser: Ints,
+    xy_board: Floats,
+    cut: LegCut,
+    length: float,
+    settings: SurfaceSettings,
+) -> FootSurface:
+    """Fit checked points of one foot below its cut."""
     chart = build_chart(points, weights, cut.z_mm)
-    rule = ClosureRule(settings.closure, settings.closure_share * length)
+    soft = settings.soft_mm + settings.soft_share * length
+    rule = ClosureRule("curvature-rounded", settings.closure_share * length, soft)
     cloud = _Cloud(points, weights, *chart.parameters(points))
-    cloud, bottom = _first_fit(cloud, chart, rule, settings)
+    cloud, bottom = _first_fit(cloud, chart, rule, settings, xy_board)
+    rule = replace(rule, name="bare-board" if bottom.board_known else "curvature-rounded")
     tube, cloud = _fine_fit(cloud, bottom, cut.z_mm, weights, settings)
-    return FootSurface(
-        tube,
-        cut,
-        rule,
-        length,
-        points,
-        cloud.weight,
-        laser[kept],
-        cloud.u,
-        cloud.v,
-        distance_mm(tube, cloud.u, cloud.v, points),
-        bottom.lowest_u,
-        bottom.lowest_v,
-        int(len(xyz_world) - kept.sum() - (xyz_world[:, 2] >= cut.z_mm).sum()),
-    )
+    residual = distance_mm(tube, cloud.u, cloud.v, points)
+    lowest = bottom.lowest_u, bottom.lowest_v
+    return FootSurface(tube, cut, rule, length, points, cloud.weight, laser, cloud.u, cloud.v, residual, *lowest)
 
 
 def _first_fit(
-    cloud: _Cloud, chart: FootChart, rule: ClosureRule, settings: SurfaceSettings
+    cloud: _Cloud, chart: FootChart, rule: ClosureRule, settings: SurfaceSettings, xy_board: Floats
 ) -> tuple[_Cloud, AssumedSkin]:
     """A coarse fit of the seen skin: drops gross errors and shows how the skin leans where it was last seen."""
     around, spans = _counts(_FIRST, len(cloud.u), settings)
@@ -167,7 +191,7 @@ def _first_fit(
             "foot; this is no foot, or it moved: scan again"
         )
     cloud = replace(cloud, weight=np.where(gone, 0.0, cloud.weight))
-    return cloud, assume_bottom(tube, cloud.u[~gone], cloud.v[~gone], chart.axis, rule)
+    return cloud, assume_bottom(tube, cloud.u[~gone], cloud.v[~gone], chart.axis, rule, xy_board)
 
 
 def _fine_fit(

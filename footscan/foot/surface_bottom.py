@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, median_filter, minimum_filter1d
 
 from footscan.coordinates import Floats
+from footscan.foot.bare_board import find_bare_reach
 from footscan.foot.closure import ClosureRule, closing_arcs, edge_shape
 from footscan.foot.nurbs import SplineTube
 from footscan.foot.nurbs_fit import evaluate_at
@@ -26,6 +27,7 @@ class AssumedSkin:
         xyz_mm: `(m, 3)`.
         lowest_u: `(A,)` columns around the foot.
         lowest_v: `(A,)` v of the lowest seen skin in each.
+        board_known: Whether the bare board bounds it.
     """
 
     u: Floats
@@ -33,6 +35,7 @@ class AssumedSkin:
     xyz_mm: Floats
     lowest_u: Floats
     lowest_v: Floats
+    board_known: bool
 
 
 def lowest_seen_v(u: Floats, v: Floats, columns: int) -> Floats:
@@ -47,7 +50,9 @@ def lowest_seen_v(u: Floats, v: Floats, columns: int) -> Floats:
     return gaussian_filter1d(lowest, 1.0, mode="wrap")
 
 
-def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rule: ClosureRule) -> AssumedSkin:
+def assume_bottom(
+    tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rule: ClosureRule, xy_board: Floats
+) -> AssumedSkin:
     """Points of the assumed skin under a first fit of the seen skin.
 
     Args:
@@ -56,6 +61,7 @@ def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rul
         v: Same.
         axis: The chart's axis, towards which the sole lies.
         rule: The closure.
+        xy_board: `(n, 2)` places where the bare board was seen.
     """
     columns = (np.arange(_COLUMNS) + 0.5) / _COLUMNS
     lowest = np.maximum(lowest_seen_v(u, v, _COLUMNS), 1e-3)
@@ -65,8 +71,14 @@ def assume_bottom(tube: SplineTube, u: Floats, v: Floats, axis: SlantedAxis, rul
     away = ring[:, :2] - np.array(axis.low_mm)
     room = np.linalg.norm(away, axis=1)
     inwards = -away / np.maximum(room, 1e-9)[:, None]
-    points, along = closing_arcs(ring, inwards, edge_shape(np.stack(rows), inwards), 0.5 * room, rule)
+    bare = room - find_bare_reach(xy_board, axis.low_mm, ring[:, :2])
+    points, along = closing_arcs(ring, inwards, edge_shape(np.stack(rows), inwards), room, bare, rule)
     count = points.shape[1]
     return AssumedSkin(
-        np.repeat(columns, count), (along * lowest[:, None]).ravel(), points.reshape(-1, 3), columns, lowest
+        np.repeat(columns, count),
+        (along * lowest[:, None]).ravel(),
+        points.reshape(-1, 3),
+        columns,
+        lowest,
+        bool(np.isfinite(bare).any()),
     )

@@ -43,6 +43,15 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
     return mesh
 
 
+def mirrored_mesh(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh mirrored in the plane y = 0, with outward normals and the same attributes."""
+    xyz = np.asarray(mesh.vertices) * np.array([1.0, -1.0, 1.0])
+    result = trimesh.Trimesh(xyz, np.asarray(mesh.faces)[:, ::-1], process=False, validate=False)
+    for name, values in mesh.vertex_attributes.items():
+        result.vertex_attributes[name] = values
+    return result
+
+
 def _origin_and_sheets(
     surface: FootSurface, skin: SkinMesh, used: Bools, tree: KDTree, facet_mm: float
 ) -> tuple[Ints, Ints]:

@@ -10,6 +10,7 @@ from footscan.scanning.cloud import Cloud
 
 BOARD_MARGIN_MM = 2.0
 """Points lower than this above the floor are the board, or light that runs from the skin on to the board."""
+_BARE_MM = 0.5
 LARGEST_OFFSET_MM = 0.3
 LARGEST_TILT_DEG = 0.1
 _SEARCH_MM = 15.0
@@ -61,6 +62,16 @@ def check_board(cloud: Cloud, floor: Plane) -> BoardCheck:
     tilt_deg = float(np.degrees(np.arccos(min(1.0, float(n @ f)))))
     rms_mm = float(np.sqrt(np.mean(plane.distance_mm(away) ** 2)))
     return BoardCheck(len(away), offset_mm, tilt_deg, rms_mm, plane, _remark(offset_mm, tilt_deg))
+
+
+def bare_board(cloud: Cloud, board: Plane) -> Floats:
+    """Places `(n, 2)`, world, where the bare board itself was lit and seen.
+
+    Args:
+        cloud: All points of a scan.
+        board: The visible board, or the calibrated floor where it was not found.
+    """
+    return cloud.xyz_world[np.abs(height_above(board, cloud.xyz_world)) < _BARE_MM, :2]
 
 
 def _densest_layer(board: Floats, floor: Plane) -> Floats:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from footscan.config.recording_file import Subject
 from footscan.config.toml_file import write_whole
-from footscan.coordinates import Side
+from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
 from footscan.foot.measurements import Measurements, measure, measurements_json
 from footscan.foot.section_files import cut_stack, sections_dxf, stack_csv
@@ -21,7 +21,7 @@ from footscan.foot.skin_origin import Origin
 from footscan.foot.smoothing import FilterSettings, filter_cloud, smoothed
 from footscan.foot.surface import FootSurface, fit_foot_surface
 from footscan.foot.surface_files import save_surface_json, save_surface_ply, save_surface_stl
-from footscan.foot.surface_mesh import mesh_from_surface
+from footscan.foot.surface_mesh import mesh_from_surface, mirrored_mesh
 from footscan.scanning.cloud import Cloud
 from footscan.workflow.report import save_report
 
@@ -66,6 +66,7 @@ def measure_scan(
     subject: Subject,
     settings: FootSettings | None = None,
     landmarks: Landmarks | None = None,
+    xy_board: Floats | None = None,
 ) -> MeasuredFoot:
     """Fit, close and measure the foot of a cloud.
 
@@ -75,32 +76,39 @@ def measure_scan(
         subject: Load and missing parts, as far as somebody said so.
         settings: Filtering and smoothing; None for neither.
         landmarks: Placed by hand, name -> (x, y, z) in world coordinates.
+        xy_board: `(n, 2)` places where the bare board was seen; they bound the assumed edge of the sole.
 
     Raises:
         MeshError: No foot, two, or one that is partly outside the view.
         EmptyScanError: Too few points.
     """
     settings = settings or FootSettings()
-    plain = _fit_and_measure(cloud, side, subject, FootSettings(), landmarks or {})
+    plain = _fit_and_measure(cloud, side, subject, FootSettings(), landmarks or {}, xy_board)
     if settings == FootSettings():
         return plain
-    changed = _fit_and_measure(cloud, side, subject, settings, landmarks or {})
+    changed = _fit_and_measure(cloud, side, subject, settings, landmarks or {}, xy_board)
     price = {"before": main_values(plain), "after": main_values(changed)}
     return replace(changed, price=price)
 
 
 def _fit_and_measure(
-    cloud: Cloud, side: Side | None, subject: Subject, settings: FootSettings, landmarks: Landmarks
+    cloud: Cloud,
+    side: Side | None,
+    subject: Subject,
+    settings: FootSettings,
+    landmarks: Landmarks,
+    xy_board: Floats | None,
 ) -> MeasuredFoot:
+    """Left feet are fitted as their mirror images, so that a foot and its mirror image give the same numbers."""
     xyz, weight, laser = cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser
     if settings.filter_strength > 0.0:
         calm = filter_cloud(xyz, FilterSettings(strength=settings.filter_strength))
         xyz, weight, laser = calm.xyz_world, weight[calm.kept], laser[calm.kept]
     with threadpool_limits(1):  # two BLAS threads that wait for each other are slower than one
-        surface = fit_foot_surface(xyz, weight, laser)
+        surface = fit_foot_surface(xyz, weight, laser, xy_board=xy_board, mirrored=side == "left")
         if settings.smooth_mm > 0.0:
             surface = smoothed(surface, settings.smooth_mm)
-    mesh = mesh_from_surface(surface)
+    mesh = mirrored_mesh(mesh_from_surface(surface.mirrored())) if side == "left" else mesh_from_surface(surface)
     by_hand = {name: np.array(xyz) for name, xyz in landmarks.items()}
     values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand)
     return MeasuredFoot(surface, mesh, values, {})

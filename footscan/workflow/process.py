@@ -13,14 +13,14 @@ import numpy as np
 import footscan
 from footscan.config.recording_file import Load, Subject
 from footscan.config.recording_file import Surface as CoverKind
-from footscan.coordinates import LASER_NAMES, LaserName, Side
+from footscan.coordinates import LASER_NAMES, Floats, LaserName, Side
 from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.tables import LightTable, build_table
 from footscan.scanning.agreement import ZoneAgreement, agreement_by_zone, find_overlap, merge_lasers
 from footscan.scanning.cleaning import foot_body, smooth_skin
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
-from footscan.scanning.footboard import BoardCheck, check_board
+from footscan.scanning.footboard import BoardCheck, bare_board, check_board
 from footscan.scanning.motion import MotionResult, frame_table, judge_motion
 from footscan.scanning.recording import Recording
 from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_frames
@@ -55,12 +55,16 @@ class ProcessSettings:
 
 @dataclass(frozen=True)
 class ScanResult:
-    """A processed scan: the cleaned, merged cloud and everything scan.json reports."""
+    """A processed scan: the cleaned, merged cloud and everything scan.json reports.
+
+    `xy_board` `(n, 2)` are the places where the bare footboard was seen, world.
+    """
 
     recording: Recording
     calibration: Calibration
     sweep: SweepResult
     cloud: Cloud
+    xy_board: Floats
     removed: Counter[str]
     agreement: list[ZoneAgreement]
     board: BoardCheck
@@ -162,7 +166,8 @@ def process_recording(
         agreement = agreement_by_zone(cloud, find_overlap(cloud))
         cloud = merge_lasers(cloud)
     remarks += [board.remark] if board.remark else []
-    parts = (cloud, removed + off, agreement, board, motion, remarks, stages.seconds)
+    bare = bare_board(whole, board.plane or calibration.floor)
+    parts = (cloud, bare, removed + off, agreement, board, motion, remarks, stages.seconds)
     return ScanResult(recording, calibration, sweep, *parts)
 
 

@@ -93,7 +93,7 @@ def _add_foot(
     subject = known_subject(result, settings)
     try:
         with stages.stage("surface and measurements"):
-            foot = measure_scan(result.cloud, side, subject, settings.foot, settings.landmarks)
+            foot = measure_scan(result.cloud, side, subject, settings.foot, settings.landmarks, result.xy_board)
     except (MeshError, EmptyScanError) as refusal:
         report["foot"] = {"refused": str(refusal)}
         return refusal

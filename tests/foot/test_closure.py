@@ -2,7 +2,8 @@ import numpy as np
 
 from footscan.foot.closure import ClosureRule, EdgeShape, closing_arcs, edge_shape
 
-RULE = ClosureRule("curvature-rounded", 16.0)
+RULE = ClosureRule("curvature-rounded", 16.0, 10.0)
+UNKNOWN = np.full(60, np.nan)
 AROUND = 2.0 * np.pi * np.arange(60) / 60
 OUTWARDS = np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)
 
@@ -25,7 +26,7 @@ def test_arcs_start_on_the_board_end_at_the_skin_and_never_leave_the_inside() ->
     ring = ball_ring(8.0)
     edge = EdgeShape(np.full(60, 0.5), np.full(60, 0.05))
 
-    points, along = closing_arcs(ring, -OUTWARDS, edge, np.full(60, 20.0), RULE)
+    points, along = closing_arcs(ring, -OUTWARDS, edge, np.full(60, 40.0), UNKNOWN, RULE)
     flat = np.hypot(points[..., 0], points[..., 1])
 
     np.testing.assert_allclose(points[:, -1], ring, atol=1e-12)
@@ -39,7 +40,7 @@ def test_arcs_start_on_the_board_end_at_the_skin_and_never_leave_the_inside() ->
 
 def test_arcs_leave_the_seen_skin_at_its_lean() -> None:
     points, _ = closing_arcs(
-        ball_ring(8.0), -OUTWARDS, EdgeShape(np.full(60, 0.4), np.full(60, 0.05)), np.full(60, 30.0), RULE
+        ball_ring(8.0), -OUTWARDS, EdgeShape(np.full(60, 0.4), np.full(60, 0.05)), np.full(60, 60.0), UNKNOWN, RULE
     )
     step = points[:, -2] - points[:, -1]
     lean = np.arctan2(-(step[:, :2] * OUTWARDS).sum(axis=1), -step[:, 2])
@@ -59,6 +60,26 @@ def test_skin_that_leans_outwards_goes_straight_down() -> None:
 def test_arcs_keep_within_their_room() -> None:
     ring = ball_ring(18.0)
 
-    points, _ = closing_arcs(ring, -OUTWARDS, EdgeShape(np.full(60, 1.0), np.full(60, 0.2)), np.full(60, 9.0), RULE)
+    edge = EdgeShape(np.full(60, 1.0), np.full(60, 0.2))
+    points, _ = closing_arcs(ring, -OUTWARDS, edge, np.full(60, 18.0), UNKNOWN, RULE)
 
     assert np.linalg.norm(points[:, :, :2] - ring[:, None, :2], axis=2).max() <= 9.0 + 1e-9
+
+
+def test_skin_reaches_the_board_a_little_inside_the_last_bare_board() -> None:
+    ring, edge = ball_ring(8.0), EdgeShape(np.full(60, 0.3), np.full(60, 0.05))
+    points, _ = closing_arcs(ring, -OUTWARDS, edge, np.full(60, 60.0), np.full(60, 5.0), RULE)
+    inset = np.hypot(ring[:, 0], ring[:, 1])[:, None] - np.hypot(points[..., 0], points[..., 1])
+
+    np.testing.assert_allclose(inset[:, 0], 15.0, atol=1e-9)
+    assert np.all(np.diff(inset, axis=1) < 0)
+    assert np.all(np.diff(points[..., 2], 2, axis=1) > 0)
+    assert np.all(points[:, np.argmin(np.abs(inset[0] - 5.0)), 2] > 1.0)
+
+
+def test_an_arch_runs_as_far_in_as_its_own_lean_leads() -> None:
+    ring, edge = ball_ring(18.0), EdgeShape(np.full(60, 0.8), np.full(60, 0.0))
+    points, _ = closing_arcs(ring, -OUTWARDS, edge, np.full(60, 80.0), np.full(60, 6.0), RULE)
+    inset = np.hypot(ring[:, 0], ring[:, 1]) - np.hypot(points[:, 0, 0], points[:, 0, 1])
+
+    np.testing.assert_allclose(inset, 2.0 * 18.0 * np.tan(0.8), atol=1e-9)

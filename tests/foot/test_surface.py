@@ -3,11 +3,12 @@ import pytest
 import trimesh
 
 from footscan.errors import EmptyScanError, MeshError
+from footscan.foot.nurbs_fit import evaluate_at
 from footscan.foot.skin_origin import Origin
 from footscan.foot.surface import FootSurface, SurfaceSettings, fit_foot_surface
 from footscan.foot.surface_cut import find_leg_cut
 from footscan.foot.surface_files import load_surface_ply, save_surface_ply, save_surface_stl
-from footscan.foot.surface_mesh import mesh_from_surface
+from footscan.foot.surface_mesh import mesh_from_surface, mirrored_mesh
 from tests.foot.smooth_foot_cloud import LENGTH_MM, LOWEST_SEEN_MM, FootCloud, distance_mm, foot_cloud, turned
 
 
@@ -83,6 +84,20 @@ def test_a_turned_and_shifted_foot_gives_the_same_surface_turned(cloud: FootClou
     back = turned(moved.tube.net_mm.reshape(-1, 3) - [15.0, -20.0, 0.0], -2.1)
 
     assert np.abs(back - surface.tube.net_mm.reshape(-1, 3)).max() < 1e-4
+
+
+def test_a_mirrored_foot_gives_the_same_surface_mirrored(cloud: FootCloud, surface: FootSurface) -> None:
+    other_hand = np.array([1.0, -1.0, 1.0])
+
+    image = fit_foot_surface(cloud.xyz * other_hand, cloud.weight, cloud.laser, mirrored=True)
+    ours, theirs = mesh_from_surface(surface), mirrored_mesh(mesh_from_surface(image.mirrored()))
+
+    np.testing.assert_allclose(theirs.vertices * other_hand, ours.vertices, atol=1e-9)
+    np.testing.assert_allclose(image.residual_mm, surface.residual_mm, atol=1e-9)
+    np.testing.assert_allclose(evaluate_at(image.tube, image.u, image.v).xyz_mm, image.xyz_world, atol=1.0)
+    np.testing.assert_array_equal(theirs.vertex_attributes["origin"], ours.vertex_attributes["origin"])
+    assert theirs.volume == pytest.approx(ours.volume)
+    assert mesh_from_surface(image).volume == pytest.approx(ours.volume, rel=1e-5)
 
 
 @pytest.mark.parametrize("scale", [0.45, 1.2])
