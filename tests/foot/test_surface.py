@@ -97,7 +97,7 @@ def test_a_mirrored_foot_gives_the_same_surface_mirrored(cloud: FootCloud, surfa
     np.testing.assert_allclose(evaluate_at(image.tube, image.u, image.v).xyz_mm, image.xyz_world, atol=1.0)
     np.testing.assert_array_equal(theirs.vertex_attributes["origin"], ours.vertex_attributes["origin"])
     assert theirs.volume == pytest.approx(ours.volume)
-    assert mesh_from_surface(image).volume == pytest.approx(ours.volume, rel=1e-5)
+    assert mesh_from_surface(image).volume == pytest.approx(ours.volume, rel=1e-4)
 
 
 @pytest.mark.parametrize("scale", [0.45, 1.2])
@@ -157,7 +157,7 @@ def test_files_hold_the_mesh_and_its_attributes(mesh: trimesh.Trimesh, tmp_path)
     ply = load_surface_ply(tmp_path / "surface.ply")
 
     assert stl.is_watertight
-    assert stl.volume == pytest.approx(mesh.volume, rel=1e-5)
+    assert stl.volume == pytest.approx(mesh.volume, rel=1e-4)
     assert trimesh.load(tmp_path / "surface.ply", process=False).is_watertight
     for name in ("origin", "sheets", "residual_mm"):
         np.testing.assert_array_equal(ply.vertex_attributes[name], mesh.vertex_attributes[name])
