@@ -18,7 +18,7 @@ from footscan.foot.surface_files import load_surface_ply
 from footscan.gui import texts
 from footscan.gui.station import Station
 from footscan.records import Take
-from footscan.scanning.point_file import load_points
+from footscan.scanning.point_file import load_bare_board, load_points
 from footscan.workflow.foot import FootSettings, measure_scan
 
 _HEIGHT_MM = 30.0
@@ -96,7 +96,7 @@ def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
     cloud = load_points(foot.folder / "points.ply")
     subject = Subject(load=take.said.load, absent=take.missing)
     marks = {mark.name: mark.xyz_world for mark in take.landmarks}
-    made = measure_scan(cloud, take.said.side, subject, settings, marks)
+    made = measure_scan(cloud, take.said.side, subject, settings, marks, load_bare_board(foot.folder / "board.npy"))
     values = measurements_json(made.measurements)
     copy = InspectedFoot(
         take,

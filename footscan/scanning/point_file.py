@@ -1,10 +1,12 @@
-"""points.ply: the cleaned cloud, binary little-endian."""
+"""points.ply: the cleaned cloud, binary little-endian; board.npy: where the bare footboard was seen."""
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 
 from footscan.config.toml_file import write_whole
+from footscan.coordinates import Floats
 from footscan.errors import InputError
 from footscan.scanning.cloud import Cloud
 
@@ -49,3 +51,27 @@ def load_points(path: Path) -> Cloud:
     rows = np.frombuffer(body, dtype=_ROW)
     xyz_world = np.column_stack([rows[name] for name in "xyz"]).astype(np.float64)
     return Cloud(xyz_world, rows["laser"].astype(np.int64), rows["weight"].copy(), np.full(count, -1))
+
+
+def save_bare_board(xy_world: Floats, path: Path) -> None:
+    """Write `(n, 2)` places of the bare footboard (mm, world), whole or not at all."""
+    stream = BytesIO()
+    np.save(stream, xy_world.astype(np.float32))
+    write_whole(path, stream.getvalue())
+
+
+def load_bare_board(path: Path) -> Floats | None:
+    """Read places `(n, 2)` written by `save_bare_board`; None where results of an older version have none.
+
+    Raises:
+        InputError: The file is damaged.
+    """
+    if not path.is_file():
+        return None
+    try:
+        xy_world = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as err:
+        raise InputError(f"{path} is cut or damaged ({err}); process the recording again.") from err
+    if xy_world.ndim != 2 or xy_world.shape[1] != 2:
+        raise InputError(f"{path} was written by another program; process the recording again.")
+    return np.asarray(xy_world, dtype=np.float64)

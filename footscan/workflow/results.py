@@ -7,7 +7,7 @@ from typing import Any
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
 from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityError, StorageError
-from footscan.scanning.point_file import save_points
+from footscan.scanning.point_file import save_bare_board, save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.lasts_scan import LAST_REMARKS, last_report, save_last, scanned_last
 from footscan.workflow.preview import save_preview
@@ -26,7 +26,7 @@ FOOT_FILES = (
     "texture.ply",
 )
 LEAST_SEEN, USUALLY_SEEN = 0.1, 0.4
-RESULT_FILES = ("points.ply", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
+RESULT_FILES = ("points.ply", "board.npy", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
 
 
 def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) -> dict[str, Any]:
@@ -44,6 +44,7 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     stages = Stages()
     with stages.stage("points.ply"):
         save_points(result.cloud, folder / "points.ply", "footscan, mm, world coordinates, laser 0 right 1 left")
+        save_bare_board(result.xy_board, folder / "board.npy")
     with stages.stage("matrix.npz"):
         result.sweep.matrix.save(folder / "matrix.npz")
     with stages.stage("preview.png"):

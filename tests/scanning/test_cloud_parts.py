@@ -9,7 +9,7 @@ from footscan.scanning.agreement import agreement_by_zone, find_overlap, merge_l
 from footscan.scanning.cleaning import clean_cloud
 from footscan.scanning.cloud import Cloud
 from footscan.scanning.footboard import check_board
-from footscan.scanning.point_file import load_points, save_points
+from footscan.scanning.point_file import load_bare_board, load_points, save_bare_board, save_points
 from footscan.scanning.zones import ZONES, direction_from_core, zone_of_points
 
 FLOOR = Plane((0.0, 0.0, 1.0), 0.0)
@@ -152,3 +152,21 @@ def test_a_cut_point_file_is_named(rng, tmp_path):
 
     with pytest.raises(InputError, match="cut"):
         load_points(tmp_path / "points.ply")
+
+
+def test_the_bare_board_is_read_as_it_was_written_and_may_be_missing(tmp_path):
+    places = np.random.default_rng(2).uniform(-200.0, 200.0, (50, 2))
+    save_bare_board(places, tmp_path / "board.npy")
+
+    np.testing.assert_allclose(load_bare_board(tmp_path / "board.npy"), places, atol=1e-4)
+    assert load_bare_board(tmp_path / "other.npy") is None
+
+
+@pytest.mark.parametrize("damage", [lambda whole: whole[:90], lambda whole: b"no numbers at all"])
+def test_a_damaged_bare_board_is_refused(tmp_path, damage):
+    path = tmp_path / "board.npy"
+    save_bare_board(np.ones((50, 2)), path)
+    path.write_bytes(damage(path.read_bytes()))
+
+    with pytest.raises(InputError, match="process the recording again"):
+        load_bare_board(path)
