@@ -29,7 +29,7 @@ def on_curve(xyz: Floats, ends: Ints, curve: Floats | None) -> Bools:
     low, high = curve.min(axis=0) - NEAR_MM, curve.max(axis=0) + NEAR_MM
     asked = np.flatnonzero(((xyz > low) & (xyz < high)).all(axis=1))
     near[asked] = PointTree(curve).nearest(xyz[asked], 1, NEAR_MM)[0][:, 0] < NEAR_MM
-    return near[ends].all(axis=1)
+    return np.asarray(near[ends].all(axis=1), dtype=np.bool_)
 
 
 def drawn_to_curves(
