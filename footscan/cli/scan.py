@@ -16,6 +16,7 @@ from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
 from footscan.cli.process import tell_results
 from footscan.cli.records_options import DataOption, opened_store, person
 from footscan.config import Subject, load_calibration
+from footscan.config.io_models import AdamModel
 from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
 from footscan.config.rig_file import Rig, load_rig
@@ -64,6 +65,7 @@ def scan_command(
         Path | None, typer.Option(help="calibration.toml; default: the one in force in the data folder.")
     ] = None,
     countdown: Annotated[float, typer.Option(help="Seconds between Start and the first beam.", min=0, max=30)] = 3.0,
+    button: Annotated[bool, typer.Option("--button", help="Begin when the button on the machine is pressed.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="I have looked: no face is at beam height.")] = False,
     fast: Annotated[bool, typer.Option("--fast", help="Simulated machine: do not wait for the wall clock.")] = False,
     json_only: Annotated[bool, typer.Option("--json", help="Print scan.json and nothing else.")] = False,
@@ -73,6 +75,8 @@ def scan_command(
         with opened_store(data) as store:
             store.patient(patient)  # a wrong number is told before anybody steps on
     machine_rig = chosen_rig(rig, fast)
+    if button:
+        _refuse_without_button(machine_rig)
     in_force = _calibration(machine_rig, calibration, data_folder(data), json_only)
     folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)
     refuse_used_folder(folder)
@@ -80,7 +84,7 @@ def scan_command(
     with opened_rig_session(machine_rig, side, in_force) as (_, session):
         plan = plan_scan(machine_rig.motion, _profile(machine_rig, profile), session.facts, machine_rig.scanner)
         process = ProcessSettings(side=side)
-        settings = ScanSettings(folder, side, plan, subject, countdown_s=countdown, process=process)
+        settings = ScanSettings(folder, side, plan, subject, countdown_s=countdown, by_button=button, process=process)
         if not json_only:
             STDOUT.print(plan.sentence())
         _confirm(yes)
@@ -182,6 +186,16 @@ def scans_command(data: DataOption = None, json_only: Annotated[bool, typer.Opti
             STDOUT.print(f"  not processed yet: {shlex.join(process_words(item.folder))}")
 
 
+def _refuse_without_button(rig: Rig) -> None:
+    io = rig.devices.io
+    if not isinstance(io, AdamModel):
+        raise InputError("--button is for a machine with a button; nobody can press that of a simulated one.")
+    if io.inputs.button is None:
+        raise InputError(
+            f"{rig.path}: no button is wired; name its input in [devices.io.inputs], or leave --button out."
+        )
+
+
 def _profile(rig: Rig, name: str | None) -> Any:
     try:
         return rig.profile(name)
@@ -230,14 +244,15 @@ def _confirm(yes: bool) -> None:
 
 
 class _Teller:
-    """Says each new state once."""
+    """Says each new state and message once."""
 
     def __init__(self, quiet: bool) -> None:
         self._quiet = quiet
-        self._state: State | None = None
+        self._said: tuple[State, str] | None = None
 
     def __call__(self, snapshot: Snapshot) -> None:
-        if snapshot.state is not self._state and not self._quiet:
+        told = (snapshot.state, snapshot.message)
+        if told != self._said and not self._quiet:
             left = f" ({snapshot.remaining_s:.0f} s)" if snapshot.state is State.SCANNING else ""
             STDERR.print(f"{snapshot.message or snapshot.state.value}{left}")
-        self._state = snapshot.state
+        self._said = told

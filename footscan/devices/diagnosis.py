@@ -159,11 +159,17 @@ def _module_findings(module: AdamIo, model: AdamModel, switching_s: float | None
         sentence = "the module answers without checksums; switch them on in module and rig file."
         yield Finding("io", "remark", sentence)
     inputs = module.read_inputs()
+    button = "no button is wired" if model.inputs.button is None else _state("the button is", inputs.button, "pressed")
+    yield Finding("io", "good", f"{_state('the home switch is', inputs.home, 'closed', 'open')}, {button}.")
     if not inputs.estop_ok:
         sentence = "the emergency stop is open; release it, or check the wire of its contact and `inverted`."
         yield Finding("io", "trouble", sentence)
     if inputs.watchdog_tripped:
         yield Finding("io", "remark", "the module's watchdog has tripped earlier; arming clears it.")
+
+
+def _state(what: str, holds: bool, word: str, otherwise: str = "") -> str:
+    return f"{what} {word if holds else otherwise or f'not {word}'}"
 
 
 def _rounded_up(seconds: float) -> float:

@@ -38,6 +38,7 @@ class ScanSettings:
         subject: Load, cover, take.
         notes: For recording.toml.
         countdown_s: Between Start and the first beam.
+        by_button: Start is a press of the button on the machine.
         process: How the recording becomes a foot.
     """
 
@@ -47,6 +48,7 @@ class ScanSettings:
     subject: Subject = field(default_factory=Subject)
     notes: str = ""
     countdown_s: float = COUNTDOWN_S
+    by_button: bool = False
     process: ProcessSettings = field(default_factory=ProcessSettings)
 
 
@@ -105,7 +107,7 @@ def record_scan(session: Session, settings: ScanSettings, calibration: Calibrati
         raise StorageError(f"{recording} could not be made ({err.strerror}); choose another place.") from err
     save_calibration(calibration, settings.folder / CALIBRATION)
     info = RecordingInfo("scan", settings.side, created, settings.notes, settings.subject)
-    order = ScanOrder(recording, info, settings.plan, settings.countdown_s)
+    order = ScanOrder(recording, info, settings.plan, settings.countdown_s, settings.by_button)
     _follow(session, session.post(lambda machine: scan(machine, order)), tell)
     return recording
 

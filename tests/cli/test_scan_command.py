@@ -125,6 +125,12 @@ def test_doctor_finds_the_simulated_machine_in_order(tmp_path: Path):
     assert {finding["grade"] for finding in findings} == {"good"}
 
 
+def test_a_simulated_button_cannot_be_waited_for(tmp_path: Path):
+    result = RUN.invoke(app, ["scan", "--side", "left", "--yes", "--button", "--data", str(tmp_path)])
+
+    assert "nobody can press that of a simulated one" in str(result.exception)
+
+
 def test_without_an_answer_lasers_and_motor_stay_off(tmp_path: Path):
     result = RUN.invoke(app, ["scan", "--side", "left", "--fast", "--data", str(tmp_path)], input="")
 

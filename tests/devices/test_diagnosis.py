@@ -60,7 +60,8 @@ def test_a_good_module_is_said_to_be_good_and_nothing_was_switched_on(plug_io):
     findings = list(io_findings(io.model, switching_s=0.5))
 
     assert words(findings, "good").startswith("adam4055 at address 1, 115200 baud: everything is off")
-    assert [finding.grade for finding in findings] == ["good"]
+    assert findings[1].sentence == "the home switch is open, the button is not pressed."
+    assert [finding.grade for finding in findings] == ["good", "good"]
     assert not any(change.outputs.dangerous for change in io.panel.history)
 
 

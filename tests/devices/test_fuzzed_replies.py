@@ -203,6 +203,58 @@ def test_ten_thousand_spoiled_exchanges_with_a_module(spoiled_io, dialect, with_
     assert longest_s < 1.0
 
 
+replies = st.one_of(
+    st.binary(max_size=14),
+    st.from_regex(rb"[!>?]01[0-9A-F]{0,8}", fullmatch=True),
+    st.from_regex(rb"![0-9A-F]{4}00", fullmatch=True),
+    st.sampled_from([b">", b"!", b"?01", b"!01", b"!010", b"!011", b"!0104", b"!00", b"!000300"]),
+)
+
+
+@pytest.mark.parametrize("dialect", ["adam4055", "i7060"])
+@given(st.lists(replies, min_size=50, max_size=50))
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+def test_ten_thousand_invented_replies_of_a_module(spoiled_io, dialect, invented):
+    """The module obeys, and says anything; with 2 x 100 lists of 50, and two tries for most of them."""
+    module, port, panel, device = spoiled_io(dialect, with_checksum=False)
+    hear = port._device.hear
+    for number, reply in enumerate(invented):
+        port._device.hear = lambda data, at_s, reply=reply: [
+            (at_s, reply + b"\r") for _ in [*hear(data, at_s), None][:1]
+        ]
+        call = (
+            lambda: module.arm_watchdog(0.2),
+            lambda: module.set_outputs(Outputs(laser_left=True, motor_run=True)),
+            module.read_inputs,
+            module.feed_watchdog,
+        )[number % 4]
+        began_s = port.now_s
+        with contextlib.suppress(DeviceError):
+            call()
+
+        assert port.now_s - began_s < 1.0
+    port._device.hear = hear
+    _end(module, port, device)
+
+    assert not panel.outputs.dangerous
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=100, deadline=None)
+def test_ten_thousand_invented_lines_of_an_encoder_are_samples_in_order_or_nothing(seed):
+    random = np.random.default_rng(seed)
+    stream, spoil = QsbStream(0.001), _spoiler(random, 0.9)
+    with contextlib.suppress(EncoderLostError):
+        for number in range(100):
+            kind, register = "rwsex"[random.integers(5)], random.choice([0x0E, 0x05, int(random.integers(256))])
+            line = f"{kind}{register:02X}{random.integers(2**32):08X}{random.integers(2**32):08X}!".encode()
+            stream.feed(spoil(line), 100.0 + number / 512)
+    samples = stream.take_samples()
+
+    assert np.all(np.diff(samples.time_s) > 0)
+    assert np.all(np.isfinite(samples.time_s))
+
+
 def _end(module: AdamIo, port: MemoryPort, device: AdamEmulator) -> None:
     """Off as the interlock does it; where that fails, the watchdog's time passes without a word."""
     try:

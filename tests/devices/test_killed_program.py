@@ -8,6 +8,7 @@ import time
 import pytest
 
 from footscan.config.io_models import AdamModel
+from footscan.devices.values import Outputs
 
 DRIVING = """
 import sys, time
@@ -30,21 +31,31 @@ def start(model: AdamModel) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
 
-@pytest.mark.parametrize(("dialect", "baud"), [("adam4055", 115200), ("i7060", 9600)])
-def test_lasers_and_motor_of_a_killed_program_go_off(plug_io, dialect, baud):
-    io = plug_io(dialect=dialect, baud=baud, checksum=True)
+def killed_while_on(io) -> tuple[Outputs, float] | None:
+    """What was on when the program was killed, and when that was; None if the module had tripped before.
+
+    The program may be held up by a busy computer for longer than its watchdog allows: then nothing is on to be seen.
+    """
     with start(io.model) as program:
         assert program.stdout is not None
         assert program.stdout.readline() == "on\n"
-        time.sleep(0.5)
         on = io.panel.outputs
-        program.send_signal(signal.SIGKILL)
         killed_s = time.monotonic()
+        program.send_signal(signal.SIGKILL)
         program.wait()
-    time.sleep(1.0)
+    return (on, killed_s) if on.dangerous and io.panel.history[-1].time_s < killed_s else None
+
+
+@pytest.mark.parametrize(("dialect", "baud"), [("adam4055", 115200), ("i7060", 9600)])
+def test_lasers_and_motor_of_a_killed_program_go_off(plug_io, dialect, baud):
+    io = plug_io(dialect=dialect, baud=baud, checksum=True)
+    on, killed_s = next(seen for _ in range(6) if (seen := killed_while_on(io)) is not None)
+    ends_s = time.monotonic() + 20.0
+    while io.panel.outputs.dangerous and time.monotonic() < ends_s:
+        time.sleep(0.02)
     off = io.panel.history[-1]
 
     assert on.laser_right
     assert on.motor_run
     assert not off.outputs.dangerous
-    assert 0.0 < off.time_s - killed_s < 1.2
+    assert 0.0 < off.time_s - killed_s < 1.2  # as the emulator notes it: its own watchdog, 0.3 s

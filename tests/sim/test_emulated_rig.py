@@ -109,16 +109,22 @@ def test_each_fault_is_an_error_of_its_device_or_a_flag_and_nothing_stays_on(
     fault, drive, emulated: EmulatedRig, world: World
 ):
     devices = drive()
-    devices.io.arm_watchdog(0.3)
+    devices.io.arm_watchdog(1.0)  # a busy computer may be silent for a while before the fault
     devices.io.set_outputs(RUN)
     emulated.inject(fault)
     error = _first_error(devices)
-    time.sleep(0.6)
+    _wait_for(lambda: world.off_since_s is not None)
 
     assert (
         error == {"camera": CameraLostError, "encoder": EncoderLostError, "io": OutputsLostError}[fault.split("-")[0]]
     )
     assert world.off_since_s is not None
+
+
+def _wait_for(holds: Callable[[], bool]) -> None:
+    ends_s = time.monotonic() + 20.0
+    while not holds() and time.monotonic() < ends_s:
+        time.sleep(0.02)
 
 
 def _first_error(devices: RigDevices) -> type[DeviceError] | None:

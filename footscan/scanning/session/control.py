@@ -330,7 +330,9 @@ class Session:
 
     def _obey_button(self, machine: Machine) -> None:
         pressed, self._button_was = machine.inputs.button and not self._button_was, machine.inputs.button
-        if pressed and self._program is not None:
+        if pressed and machine.awaits_button:
+            machine.awaits_button = False
+        elif pressed and self._program is not None:
             self._cancel(machine, "stopped by the button on the machine")
 
     def _obey_commands(self, machine: Machine) -> None:

@@ -38,6 +38,7 @@ class Machine:
         progress: Of the scan, 0 to 1.
         remaining_s: Of the scan.
         wake_s: The next round is wanted at this moment at the latest.
+        awaits_button: The button on the machine means start; else it means stop.
     """
 
     clock: Clock
@@ -58,6 +59,7 @@ class Machine:
     progress: float = 0.0
     remaining_s: float = 0.0
     wake_s: float = np.inf
+    awaits_button: bool = False
 
     @property
     def timing(self) -> ExposureTiming:

@@ -18,6 +18,9 @@ from footscan.scanning.session.session_file import COMPLETE, save_outcome
 from footscan.scanning.session.states import State
 
 COUNTDOWN_S = 3.0
+BUTTON_S = 120.0
+"""The confirmation that no face is at beam height does not hold longer."""
+PRESS = "step on, stand still, and press the button on the machine: the scan begins"
 _BEEP_S = 0.15
 _WRITING_S = 60.0
 HOLD_AT_MOST_S = 60.0
@@ -34,12 +37,14 @@ class ScanOrder:
         info: What is written about it.
         plan: Sweeps, lasers, speed.
         countdown_s: Between Start and the first beam.
+        by_button: Start is a press of the button on the machine.
     """
 
     folder: Path
     info: RecordingInfo
     plan: ScanPlan
     countdown_s: float = COUNTDOWN_S
+    by_button: bool = False
 
 
 def home(machine: Machine) -> Program:
@@ -79,6 +84,8 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
     machine.say(State.RETURNING)
     yield from machine.until(lambda: keeper.finished, _WRITING_S, _still_writing)
     yield from machine.go_to(machine.park_rad)
+    if order.by_button:
+        yield from _await_button(machine)
     yield from _countdown(machine, order.countdown_s)
     step_rad = plan.asked_step_rad if plan.at_requested_angles else None
     keeper.begin(
@@ -122,6 +129,20 @@ def _still_writing() -> FootscanError:
 
 def _not_written(folder: Path) -> FootscanError:
     return StorageError(f"the last frames of {folder} are still not written after {_WRITING_S:g} s; check the disk.")
+
+
+def _await_button(machine: Machine) -> Program:
+    """Lasers and motor are off meanwhile; whoever stands at the machine decides when it begins."""
+    machine.say(State.PARKED, PRESS)
+    machine.awaits_button = True
+    try:
+        yield from machine.until(lambda: not machine.awaits_button, BUTTON_S, _nobody_pressed)
+    finally:
+        machine.awaits_button = False
+
+
+def _nobody_pressed() -> FootscanError:
+    return InterlockError(f"nobody pressed the button on the machine within {BUTTON_S:g} s; start again.")
 
 
 def _countdown(machine: Machine, seconds: float) -> Program:

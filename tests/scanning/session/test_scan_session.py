@@ -19,7 +19,7 @@ from footscan.errors import (
 )
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.plan import plan_scan
-from footscan.scanning.session.programs import hold, home
+from footscan.scanning.session.programs import PRESS, ScanOrder, hold, home, scan
 from footscan.scanning.session.states import State
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
@@ -114,6 +114,35 @@ def test_the_button_on_the_machine_stops_a_scan(bench: Bench) -> None:
         ticket.wait(30)
 
     assert bench.session.snapshot().state is State.STOPPED
+
+
+def test_the_button_on_the_machine_starts_a_scan_that_waits_for_it_and_stops_it_later(bench: Bench) -> None:
+    bench.ready()
+    bench.folder.mkdir()
+    order = ScanOrder(bench.folder, RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00"), bench.plan, 0.2, True)
+    ticket = bench.session.post(lambda machine: scan(machine, order))
+    bench.wait_until(lambda: bench.session.snapshot().message == PRESS)
+    waiting = bench.session.snapshot()
+    bench.world.press_button(True)
+    bench.wait_until(lambda: bench.session.snapshot().state is State.SCANNING)
+    bench.world.press_button(False)
+    bench.wait_until(lambda: bench.session.snapshot().frames.kept > 5)
+    bench.world.press_button(True)
+
+    with pytest.raises(InterlockError, match="stopped by the button on the machine"):
+        ticket.wait(60)
+    assert waiting.lasers == ()
+    assert not waiting.motor_on
+
+
+def test_a_scan_for_which_nobody_presses_the_button_is_not_made(bench: Bench) -> None:
+    bench.ready()
+    bench.folder.mkdir()
+    order = ScanOrder(bench.folder, RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00"), bench.plan, 0.2, True)
+
+    with pytest.raises(InterlockError, match="nobody pressed the button on the machine within 120 s"):
+        bench.session.post(lambda machine: scan(machine, order)).wait(120)
+    assert not any(bench.folder.iterdir())
 
 
 def test_two_starts_at_once_are_one_scan(bench: Bench) -> None:
