@@ -13,9 +13,11 @@ run: $(STAMP)
 demo: $(STAMP)
 	$(BIN)/footscan demo --out out/demo
 
-# Tests that need the wall clock, a port or a browser share one of the two workers (tests/conftest.py).
+# Tests that need the wall clock or a port share one of the two workers (tests/conftest.py); then the browser has the
+# computer for itself: without a graphics card it draws on the processor, and a page that waits too long is tried again.
 test: $(STAMP) chromium
-	$(BIN)/pytest -n 2 --dist loadgroup -m "not slow and not hardware and not bench" tests
+	$(BIN)/pytest -n 2 --dist loadgroup -m "not slow and not hardware and not bench and not browser" tests
+	$(BIN)/pytest --reruns 2 -m "browser and not slow" tests
 
 chromium:
 	@.ci/chromium

@@ -22,6 +22,7 @@ _REAL_TIME = ("tests/devices/", "tests/gui/", "tests/sim/test_emulat", "tests/cl
 """Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers."""
 
 
+@pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         place = item.path.relative_to(config.rootpath).as_posix()
