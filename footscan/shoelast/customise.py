@@ -31,7 +31,7 @@ from footscan.shoelast.pins import Pin, pinned_mm
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.profile import Profile, load_profile, most_loss_mm, room_mm, uniform_profile
 from footscan.shoelast.proof import Judged, judge, prove
-from footscan.shoelast.refusals import check_not_everywhere, check_side, check_size
+from footscan.shoelast.refusals import check_no_spike, check_not_everywhere, check_side, check_size
 from footscan.shoelast.registration import Registration, register
 from footscan.shoelast.skin import LastSkin, skin_of
 from footscan.shoelast.top_line import FeatherLine, TopLine, find_top_line
@@ -280,6 +280,7 @@ class _Task:
         moved[: len(state.skin.uv)] = rows @ state.coefficients.ravel()
         way = np.linalg.norm(state.skin.xyz_shoelast - self.skin.xyz_shoelast, axis=1)
         moved[len(state.skin.uv) :] = way[len(state.skin.uv) :]  # bottom and cone top move with their edges
+        check_no_spike(self.shoelast, moved, need.move_mm)
         changed = way > CHANGED_MM
         return CustomLast(
             shoelast=after,

@@ -15,6 +15,7 @@ SIZE_RULE_ROOM_MM = 2.0 * PARIS_POINT_MM
 SHORTEST_ROOM_MM = SIZE_RULE_ROOM_MM - 1.5 * PARIS_POINT_MM
 """A last with less room than this in front of the toes is about two sizes short."""
 _EVERYWHERE = 0.9
+_OVERSHOOT, _OVERSHOOT_MM = 1.5, 6.0
 
 
 def check_side(shoelast: Shoelast, foot: PreparedFoot) -> None:
@@ -58,4 +59,24 @@ def check_not_everywhere(shoelast: Shoelast, signed_mm: Floats) -> None:
         raise QualityError(
             f"{shoelast.name} is smaller than the foot everywhere ({outside:.0%} of the seen skin stands out): "
             "grade first, or check the unit of the last and of the foot."
+        )
+
+
+def check_no_spike(shoelast: Shoelast, displacement_mm: Floats, need_mm: Floats) -> None:
+    """Refuse a displacement that runs far beyond what the foot asks for, as patchy skin can make it do.
+
+    Args:
+        shoelast: For its name.
+        displacement_mm: `(n,)` of the customised mesh.
+        need_mm: `(m,)` least displacement where skin was seen.
+
+    Raises:
+        QualityError: Scan again, or take another last.
+    """
+    most, asked = float(np.abs(displacement_mm).max()), max(float(need_mm.max()), 0.0)
+    allowed = _OVERSHOOT * asked + _OVERSHOOT_MM
+    if most > allowed:
+        raise QualityError(
+            f"customising {shoelast.name} would move it by {most:.1f} mm where the foot asks for at most {asked:.1f} mm"
+            f" (allowed: {allowed:.1f} mm): no last to mill. Take a wider last, a longer transition, or a fuller scan."
         )

@@ -17,6 +17,7 @@ from footscan.shoelast.pins import Pin
 from footscan.shoelast.pose import moved
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LEAST_SAMPLES, LIMIT_MM
+from footscan.shoelast.refusals import check_no_spike
 from footscan.shoelast.skin import skin_of
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
@@ -192,3 +193,11 @@ def test_a_wanted_girth_is_met_and_the_foot_still_held(shoelast: Shoelast, foot:
 def test_an_unknown_girth_is_refused(shoelast: Shoelast, foot: PreparedFoot):
     with pytest.raises(InputError, match="waist_girth"):
         customise(shoelast, foot, "therapeutic", CustomSettings(girths_mm={"toe_girth": 200.0}))
+
+
+def test_a_displacement_far_beyond_the_need_is_refused(shoelast: Shoelast):
+    need_mm = np.array([-3.0, 4.0])
+
+    check_no_spike(shoelast, np.array([0.0, 11.9]), need_mm)
+    with pytest.raises(QualityError, match=r"move it by 12\.1 mm where the foot asks for at most 4\.0 mm"):
+        check_no_spike(shoelast, np.array([0.0, 12.1]), need_mm)
