@@ -11,7 +11,8 @@ from footscan.shoelast.rhino_read import read_3dm
 from tests.gui.conftest import Served
 from tests.gui.until import until
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+"""Takes minutes on two busy cores; the small scan of these tests is at the edge of what can be customised."""
 
 
 @pytest.fixture
