@@ -331,7 +331,7 @@ def wanted_room(samples: FootSamples, posed: PosedFoot, profile: Profile, settin
 def _enough_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> tuple[FootSamples, Judged]:
     """Samples of which at least the proof's number are judged."""
     feather = FeatherLine(shoelast)
-    low = top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1)
+    low = np.asarray(top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1), dtype=np.bool_)
     plain = sample_foot(posed, 4000, faces=low)
     share = float(judge(plain, feather.height_mm(plain.xyz), top_line).seen.mean())
     if share < _LEAST_SHARE:
