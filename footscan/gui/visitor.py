@@ -32,16 +32,20 @@ class Visitor:
         """Press a button, once or twice."""
         self.button(name).click(click_count=clicks)
 
+    def _field(self, label: str) -> Locator:
+        """The field with a label that can be seen now: another tab may hold one of the same name."""
+        return self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input >> visible=true').first
+
     def types(self, label: str, text: str) -> None:
         """Type into a field, in place of what stands there."""
-        box = self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').first
+        box = self._field(label)
         box.click()
         box.fill("")
         box.press_sequentially(text)
 
     def chooses(self, label: str, option: str) -> None:
         """Choose from a list."""
-        self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input').first.click()
+        self._field(label).click()
         self.tab.get_by_role("option", name=option).first.click()
 
     def sees(self, words: Any) -> None:
