@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import trimesh
 import viser
-from trimesh.visual import ColorVisuals
 
 from footscan.coordinates import WORKING_RADIUS_MM, Floats, LaserName
 from footscan.foot.skin_origin import Origin
 from footscan.gui import texts
+from footscan.gui.matte import matte_glb
 from footscan.gui.placement import LitFrame, lit_points
 from footscan.gui.state import Shown
 from footscan.gui.station import Station
@@ -50,7 +50,7 @@ class FootView:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)  # with it and shadows a browser without a graphics card stalls for 15 s
         scene.configure_default_lights(True, cast_shadow=False)
-        scene.add_light_ambient("/light", intensity=2.2)
+        scene.add_light_ambient("/light", intensity=1.3)
         scene.add_grid("/board", 0.4, 0.4, cell_size=0.02, section_size=0.1, plane="xy", shadow_opacity=0.0)
         _draw_marks(scene)
         camera = server.initial_camera
@@ -137,13 +137,9 @@ class FootView:
             handle.visible = visible
 
     def _add_mesh(self, name: str, mesh: trimesh.Trimesh, shown: Shown, y_mm: float) -> viser.GlbHandle:
-        rgb = colours(mesh, shown)
-        alpha = np.full((len(rgb), 1), 255, np.uint8)
         drawn = trimesh.Trimesh(mesh.vertices * _M, mesh.faces, process=False)
-        drawn.visual = ColorVisuals(drawn, vertex_colors=np.hstack([rgb, alpha]))
-        return self._scene.add_mesh_trimesh(
-            name, drawn, position=(0.0, y_mm * _M, 0.0), cast_shadow=False, receive_shadow=False
-        )
+        glb = matte_glb(drawn, colours(mesh, shown))
+        return self._scene.add_glb(name, glb, position=(0.0, y_mm * _M, 0.0), cast_shadow=False, receive_shadow=False)
 
     def show_section(self, polylines: tuple[Floats, ...]) -> None:
         """Draw a cut around the foot, `(k, 3)` world mm each; none removes it."""

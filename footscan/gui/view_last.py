@@ -3,10 +3,10 @@
 import numpy as np
 import trimesh
 import viser
-from trimesh.visual import ColorVisuals
 
 from footscan.coordinates import Bytes, Floats, Ints, Side
 from footscan.gui.fitting import FittedLast, LastChoice, custom_clearance
+from footscan.gui.matte import matte_glb
 from footscan.gui.view_foot import FootView
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.foot_pose import PosedFoot
@@ -69,11 +69,8 @@ class LastView:
     def _add(self, name: str, xyz: Floats, faces: Ints, rgb: Bytes, side: Side) -> None:
         drawn = mirrored_mesh(trimesh.Trimesh(xyz, faces, process=False), side)
         drawn.apply_scale(_M)
-        alpha = np.full((len(rgb), 1), 255, np.uint8)
-        drawn.visual = ColorVisuals(drawn, vertex_colors=np.hstack([rgb, alpha]))
-        handle = self._scene.add_mesh_trimesh(
-            f"/last/{name}", drawn, position=_PLACE_M, cast_shadow=False, receive_shadow=False
-        )
+        glb = matte_glb(drawn, rgb)
+        handle = self._scene.add_glb(f"/last/{name}", glb, position=_PLACE_M, cast_shadow=False, receive_shadow=False)
         self._handles.append(handle)
 
     def _add_clear(self, xyz: Floats, faces: Ints, side: Side) -> None:
