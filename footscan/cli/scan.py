@@ -3,7 +3,7 @@
 import shlex
 import signal
 from collections.abc import Generator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -149,24 +149,37 @@ def chosen_rig(path: Path | None, fast: bool) -> Rig:
 @contextmanager
 def opened_rig_session(rig: Rig, side: Side, calibration: Calibration | None) -> Generator[tuple[OpenedRig, Session]]:
     """A rig and a session over its devices; everything is off at the end, however it ends, SIGTERM included."""
+    with _signals_end(), ExitStack() as closing:
+        opened = rig_app.open_rig(rig, side)
+        closing.callback(opened.give_back)
+        session = rig_app.start_session(opened, calibration)
+        closing.callback(session.close)
+        closing.callback(_ignore_signals)  # first of the three: the last frames are being written, no hurry now
+        try:
+            yield opened, session
+        except KeyboardInterrupt:
+            raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
+
+
+@contextmanager
+def _signals_end() -> Generator[None]:
+    """SIGTERM ends what is inside like an error; afterwards both signals do what they did before."""
 
     def end(number: int, frame: object) -> None:
         raise InterlockError("stopped by SIGTERM; lasers and motor are off, what was captured is kept.")
 
-    before = signal.signal(signal.SIGTERM, end)
-    opened = rig_app.open_rig(rig, side)
-    session = rig_app.start_session(opened, calibration)
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    signal.signal(signal.SIGTERM, end)
     try:
-        yield opened, session
-    except KeyboardInterrupt:
-        raise InterlockError("stopped by Ctrl-C; lasers and motor are off, what was captured is kept.") from None
+        yield
     finally:
-        interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the last frames are being written: no hurry now
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        session.close()
-        opened.give_back()
-        signal.signal(signal.SIGINT, interrupt)
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _ignore_signals() -> None:
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def scans_command(data: DataOption = None, json_only: Annotated[bool, typer.Option("--json")] = False) -> None:

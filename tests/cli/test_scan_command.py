@@ -1,11 +1,18 @@
 import json
+import signal
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from footscan import app as rig_app
 from footscan.cli.main import app
+from footscan.cli.scan import opened_rig_session
+from footscan.errors import DeviceError
 from footscan.scanning.recording import open_recording
+from footscan.scanning.session.control import Session
+from footscan.workflow.designs import builtin_rig
 
 RUN = CliRunner()
 
@@ -158,3 +165,20 @@ def test_an_unknown_case_of_the_drill_names_those_there_are():
 
     assert result.exit_code == 2
     assert "kill -9" in result.output.replace("\n", " ")
+
+
+def test_a_session_that_does_not_start_gives_the_machine_and_the_signals_back(monkeypatch: pytest.MonkeyPatch):
+    given_back: list[str] = []
+    opened = replace(rig_app.open_rig(builtin_rig()), give_back=lambda: given_back.append("rig"))
+
+    def silent(*_: object) -> Session:
+        raise DeviceError("the encoder is silent")
+
+    monkeypatch.setattr(rig_app, "open_rig", lambda *_: opened)
+    monkeypatch.setattr(rig_app, "start_session", silent)
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(DeviceError, match="silent"), opened_rig_session(opened.rig, "left", None):
+        pass
+
+    assert given_back == ["rig"]
+    assert signal.getsignal(signal.SIGTERM) is before
