@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import trimesh
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
@@ -17,6 +17,9 @@ from footscan.coordinates import Bools, Floats
 from footscan.foot.nurbs import SplineTube
 from footscan.foot.surface import FootSurface, flat_ends
 from footscan.foot.surface_mesh import FACET_MM, mesh_from_surface
+
+_LEAST_SPAN = 0.1
+"""Control points may lie closer than this share of the usual distance; then they count as that far apart."""
 
 Measure = Callable[[trimesh.Trimesh], Mapping[str, float]]
 """Named values of a mesh, e.g. the main measurements."""
@@ -141,34 +144,49 @@ def smoothed(surface: FootSurface, length_mm: float) -> FootSurface:
 
 
 def smooth_tube(tube: SplineTube, length_mm: float) -> SplineTube:
-    """Damp the control net by an implicit step of the bi-Laplacian; its first and last row stay."""
+    """Damp the control net by an implicit step of the bi-Laplacian over the skin; its first and last row stay.
+
+    Differences are taken over the net's own distances in mm, so that the length means the same at a toe, where columns
+    spread, and at the heel; counted in rows and columns, a toe would be shortened like a bump.
+    """
     if length_mm == 0.0:
         return tube
     rows, columns = tube.net_mm.shape[:2]
-    around, up = _second_differences(columns, periodic=True), _second_differences(rows, periodic=False)
-    wave_u, wave_v = (2.0 * np.pi * _spacing(tube, axis) / length_mm for axis in (1, 0))
-    bend = kron(eye_array(rows), around) / wave_u**2 + kron(up, eye_array(columns)) / wave_v**2
-    system = (eye_array(rows * columns) + bend.T @ bend).tocsr()
+    around, up = (_second_derivatives(tube.net_mm, axis) for axis in (1, 0))
+    area = diags_array(_spans(tube.net_mm, 1).mean(axis=0).ravel() * _spans(tube.net_mm, 0).mean(axis=0).ravel())
+    stiff = around.T @ area @ around + up.T @ area @ up
+    system = (area + (length_mm / (2.0 * np.pi)) ** 4 * stiff).tocsr()
     free = np.repeat(np.arange(rows) % (rows - 1) > 0, columns)
     flat = tube.net_mm.reshape(-1, 3)
-    right = flat - system @ np.where(free[:, None], 0.0, flat)
+    right = area @ flat - system @ np.where(free[:, None], 0.0, flat)
     result = flat.copy()
     result[free] = splu(system[free][:, free].tocsc()).solve(right[free])
     return SplineTube(result.reshape(rows, columns, 3), tube.knots_v)
 
 
-def _second_differences(count: int, *, periodic: bool) -> csr_array:
-    stencil = (eye_array(count, k=-1) - 2.0 * eye_array(count) + eye_array(count, k=1)).tolil()
-    if periodic:
-        stencil[0, count - 1] = stencil[count - 1, 0] = 1.0
-    else:
-        stencil[0, :2] = stencil[count - 1, count - 2 :] = 0.0
-    return stencil.tocsr()
+def _second_derivatives(net_mm: Floats, axis: int) -> csr_array:
+    """Second derivatives (per mm2) of the net along its columns (0) or rows (1); none at the ends of columns."""
+    before, after = _spans(net_mm, axis)
+    low, high = 2.0 / (before * (before + after)), 2.0 / (after * (before + after))
+    if axis == 0:
+        low[[0, -1]], high[[0, -1]] = 0.0, 0.0
+    number = np.arange(before.size).reshape(before.shape)
+    beside = [number, np.roll(number, 1, axis), np.roll(number, -1, axis)]
+    values = np.concatenate([part.ravel() for part in (-low - high, low, high)])
+    place = (np.tile(number.ravel(), 3), np.concatenate([part.ravel() for part in beside]))
+    return csr_array((values, place), shape=(before.size, before.size))
 
 
-def _spacing(tube: SplineTube, axis: int) -> float:
-    """Median distance of neighbouring control points (mm)."""
-    return float(np.median(np.linalg.norm(np.diff(tube.net_mm, axis=axis), axis=2)))
+def _spans(net_mm: Floats, axis: int) -> Floats:
+    """Distances `(2, n_v, n_u)` to the control point before and after along an axis, not below a share of the usual."""
+    after = np.linalg.norm(np.roll(net_mm, -1, axis) - net_mm, axis=2)
+    if axis == 0:
+        after[-1] = after[-2]
+    after = np.maximum(after, _LEAST_SPAN * np.median(after))
+    before = np.roll(after, 1, axis)
+    if axis == 0:
+        before[0] = after[0]
+    return np.stack([before, after])
 
 
 def _values(foot: FootSurface, measure: Measure | None, facet_mm: float) -> dict[str, float]:

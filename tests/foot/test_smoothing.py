@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_surface
+from footscan.foot.nurbs import SplineTube, clamped_knots
+from footscan.foot.smoothing import FilterSettings, filter_cloud, smooth_surface, smooth_tube
 from footscan.foot.surface import FootSurface, fit_foot_surface
 from tests.foot.smooth_foot_cloud import FootCloud, distance_mm, foot_cloud
 
@@ -72,6 +75,25 @@ def test_smoothing_makes_the_skin_less_rough(surface: FootSurface) -> None:
     smoothed = smooth_surface(surface, 12.0, facet_mm=4.0)
 
     assert roughness(smoothed.surface) < 0.8 * roughness(surface)
+
+
+@pytest.mark.parametrize(("waves", "kept"), [(20, 1 / 17), (10, 1 / 2), (5, 16 / 17)])
+def test_waves_of_the_smoothing_length_lose_half_their_height_however_close_the_columns_are(
+    waves: int, kept: float
+) -> None:
+    share = np.arange(160) / 160
+    turn = 2 * np.pi * share + 0.6 * np.sin(2 * np.pi * share)
+    circle = np.stack([50 * np.cos(turn), 50 * np.sin(turn), np.zeros(160)], axis=1)
+    net = circle + np.arange(0.0, 600.0, 8.0)[:, None, None] * np.array([0.0, 0.0, 1.0])
+    tube = SplineTube(net, clamped_knots(np.linspace(0.0, 1.0, len(net) - 2)))
+    ripple = np.zeros_like(net)
+    ripple[..., 2] = 1e-3 * np.sin(waves * turn)
+
+    left = smooth_tube(replace(tube, net_mm=net + ripple), 10 * np.pi).net_mm - smooth_tube(tube, 10 * np.pi).net_mm
+
+    middle, wave = left[len(net) // 2, :, 2], ripple[0, :, 2]
+    for part in (np.abs(turn - np.pi) < 1.0, np.abs(turn - np.pi) > 2.0):
+        assert middle[part] @ wave[part] / (wave[part] @ wave[part]) == pytest.approx(kept, abs=0.04)
 
 
 def test_no_length_changes_nothing(surface: FootSurface) -> None:

@@ -82,7 +82,7 @@ def test_smoothing_is_tried_on_a_copy_and_states_its_price(clinician: Operator, 
 
     assert tried is not None
     assert tried.price["after"]["mesh_volume_cm3"] != tried.price["before"]["mesh_volume_cm3"]
-    assert tried.price["after"]["foot_length"] == pytest.approx(tried.price["before"]["foot_length"], abs=3.0)
+    assert tried.price["after"]["foot_length"] == pytest.approx(tried.price["before"]["foot_length"], abs=0.6)
     clinician.sees(re.compile("^Shown: filter"))
     clinician.presses(texts.SMOOTH_BACK)
     until(lambda: served.page.desk.state.inspect.tried is None)
