@@ -1,4 +1,8 @@
-"""Where the home switch opens, by the counter: looks at the switch bracket it, and several crossings narrow it down."""
+"""Where the home switch opens, by the counter: looks at the switch bracket it, and several crossings narrow it down.
+
+Through a slow line the head turns half a degree between two looks. Each further crossing therefore puts a look where
+the head is in the middle of what is left, and halves it.
+"""
 
 from collections.abc import Generator
 from dataclasses import dataclass
@@ -12,7 +16,7 @@ EDGE_ROUND_S = 0.002
 """Between two looks at the home switch while the head leaves it: what it is late by turns the whole foot."""
 WELL_KNOWN_RAD = float(np.deg2rad(0.02))
 """Standard deviation of the edge at which it need not be crossed again: 0.03 mm at the toe."""
-MOST_CROSSINGS = 4
+MOST_CROSSINGS = 5
 _LOOK_COUNTS = 1.0
 """A count is read to the nearest step."""
 
@@ -36,10 +40,19 @@ class Crossing:
 
 
 def fit_edge(crossings: list[Crossing]) -> tuple[float, float]:
-    """Count at which the switch opens and its standard deviation; narrow crossings count more."""
+    """Count at which the switch opens and its standard deviation.
+
+    It lies in what all crossings have in common. A switch that plays leaves nothing: then narrow crossings count more.
+    """
+    low = max(min(crossing.closed_counts, crossing.open_counts) for crossing in crossings)
+    high = min(max(crossing.closed_counts, crossing.open_counts) for crossing in crossings)
+    if low <= high:
+        common = Crossing(low, high)
+        return common.middle_counts, common.sigma_counts
     weight = np.array([crossing.sigma_counts**-2 for crossing in crossings])
     middle = np.array([crossing.middle_counts for crossing in crossings])
-    return float(weight @ middle / weight.sum()), float(weight.sum() ** -0.5)
+    mean = float(weight @ middle / weight.sum())
+    return mean, float(np.hypot(weight.sum() ** -0.5, middle.std()))
 
 
 def find_edge(machine: Machine, search_step: int) -> Generator[None, None, float]:
@@ -52,7 +65,8 @@ def find_edge(machine: Machine, search_step: int) -> Generator[None, None, float
     crossings: list[Crossing] = []
     while True:
         yield from _go_behind_switch(machine, 0 if crossings else search_step)
-        crossings.append((yield from _cross(machine)))
+        aim_counts = fit_edge(crossings)[0] if crossings else np.inf
+        crossings.append((yield from _cross(machine, aim_counts)))
         edge_counts, sigma_counts = fit_edge(crossings)
         if sigma_counts <= WELL_KNOWN_RAD * counts_per_rad or len(crossings) == MOST_CROSSINGS:
             return edge_counts
@@ -81,18 +95,31 @@ def _go_behind_switch(machine: Machine, speed_step: int) -> Program:
     yield from machine.come_to_rest()
 
 
-def _cross(machine: Machine) -> Generator[None, None, Crossing]:
-    """Leave the switch at the slowest speed, still turning at the end."""
+def _cross(machine: Machine, aim_counts: float) -> Generator[None, None, Crossing]:
+    """Leave the switch at the slowest speed, still turning at the end; one look is put where `aim_counts` shows."""
     carriage = machine.carriage
     carriage.turn(ccw=True, speed_step=0)
     closed_s, gives_up_s = machine.inputs.time_s, machine.clock.now_s() + search_s(machine, 0)
+    lead_s = 0.0
     while machine.inputs.home:
         closed_s = machine.inputs.time_s
         if machine.clock.now_s() > gives_up_s:
             raise no_home(machine)
-        machine.wake_s = machine.clock.now_s() + EDGE_ROUND_S
+        machine.wake_s = asked_s = _next_look_s(machine, aim_counts, lead_s)
+        machine.clock.wait(asked_s)  # a frame that comes meanwhile must not bring the look forward
         yield
+        lead_s = max(machine.inputs.time_s - asked_s, 0.0)
     open_s = machine.inputs.time_s
     while carriage.newest_s < open_s:  # a silent encoder is told by the carriage
         yield
     return Crossing(carriage.count_at(closed_s), carriage.count_at(open_s))
+
+
+def _next_look_s(machine: Machine, aim_counts: float, lead_s: float) -> float:
+    """When to ask next: soon, or so that the module looks at the aim if no other look fits in before."""
+    carriage, soon_s = machine.carriage, machine.clock.now_s() + EDGE_ROUND_S
+    rate = carriage.drive.direction * carriage.speed_rad_s * carriage.drive.steps_per_rev / (2.0 * np.pi)
+    if rate == 0.0 or not np.isfinite(aim_counts):
+        return soon_s
+    aimed_s = carriage.newest_s + (aim_counts - carriage.count_at(carriage.newest_s)) / rate - lead_s
+    return aimed_s if soon_s < aimed_s < soon_s + 2.0 * lead_s + EDGE_ROUND_S else soon_s

@@ -19,14 +19,21 @@ brackets = st.lists(st.tuples(st.floats(0.0, 40.0), st.floats(0.0, 40.0)), min_s
 
 
 @given(brackets, st.integers(-(10**6), 10**6))
-def test_an_edge_lies_among_its_crossings_and_each_of_them_makes_it_better_known(parts, edge):
+def test_an_edge_lies_in_what_its_crossings_have_in_common(parts: list[tuple[float, float]], edge: int) -> None:
     crossings = [Crossing(edge - before, edge + after) for before, after in parts]
     found, sigma = fit_edge(crossings)
-    middles = [crossing.middle_counts for crossing in crossings]
+    halved = fit_edge([*crossings, Crossing(found, max(c.open_counts for c in crossings))])
 
-    assert min(middles) - 1e-6 <= found <= max(middles) + 1e-6
-    assert sigma <= min(crossing.sigma_counts for crossing in crossings) + 1e-12
-    assert fit_edge([*crossings, crossings[0]])[1] < sigma
+    assert abs(found - edge) <= 0.5 * min(c.open_counts - c.closed_counts for c in crossings) + 1e-6
+    assert sigma <= min(c.sigma_counts for c in crossings) + 1e-12
+    assert halved[1] <= sigma
+
+
+def test_a_switch_that_plays_is_found_in_the_middle_and_its_play_is_said() -> None:
+    found, sigma = fit_edge([Crossing(10.0, 12.0), Crossing(20.0, 22.0)])
+
+    assert found == pytest.approx(16.0)
+    assert sigma >= 5.0
 
 
 class SlowIo:
@@ -51,7 +58,7 @@ class SlowIo:
         return inputs
 
 
-@pytest.mark.parametrize(("takes_s", "at_most_deg"), [(0.0, 0.05), (0.015, 0.2)])
+@pytest.mark.parametrize(("takes_s", "at_most_deg"), [(0.0, 0.05), (0.015, 0.08), (0.03, 0.08)])
 def test_homing_finds_the_switch_also_through_a_slow_line(
     open_bench: Callable[..., Bench], monkeypatch: pytest.MonkeyPatch, takes_s: float, at_most_deg: float
 ) -> None:
@@ -75,6 +82,8 @@ def test_homing_finds_the_switch_also_through_a_slow_line(
         assert shown_deg is not None
         assert calibration is not None
         off = calibration.encoder.zero_count * 360.0 / 8000
-        off_deg.append(shown_deg - off - np.rad2deg(bench.world._head.theta_rad))
+        off_deg.append(
+            shown_deg - off - np.rad2deg(float(bench.world.theta_at(np.array([bench.session.clock.now_s()]))[0]))
+        )
 
     assert np.abs(off_deg).max() < at_most_deg
