@@ -1,5 +1,6 @@
 """Exact signed distance of points to a closed triangle mesh, by a tree of boxes and pseudo-normals."""
 
+from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ from footscan.geometry.mesh_distance_loops import (
 )
 
 _CELLS = 1024.0
+_AT_ONCE, _MANY = 2, 4000
+"""Threads that search at once, for more points than this."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,14 @@ class DistanceMesh:
         sorted_points = np.ascontiguousarray(points[order], dtype=np.float64)
         count = len(points)
         face, weight, place = np.empty(count, np.int64), np.empty((count, 3)), np.empty(count, np.int64)
-        find_nearest(sorted_points, self._corners, self._boxes, face, weight, place)
+        parts = np.linspace(0, count, (_AT_ONCE if count > _MANY else 1) + 1).astype(np.int64)
+
+        def search(part: int) -> None:
+            here = slice(parts[part], parts[part + 1])
+            find_nearest(sorted_points[here], self._corners, self._boxes, face[here], weight[here], place[here])
+
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            list(pool.map(search, range(len(parts) - 1)))
         xyz = np.einsum("nk,nkc->nc", weight, self.xyz[self._faces[face]])
         normal = self._pseudo_normals(face, place)
         away = sorted_points - xyz

@@ -1,10 +1,10 @@
-"""The upper as a chart for a displacement: directions, basis rows, bending energy, and finer control nets.
+"""The upper as a chart for a displacement: directions, basis rows and bending energy.
 
 A displacement is a scalar field d(u, v) = sum c_ij B_i(u) B_j(v) along a smooth field of directions n(u, v) with the
 control vectors n_ij. The displaced upper then has the control points P_ij + c_ij n_ij: exact NURBS on the same knots.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,11 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 
 from footscan.coordinates import Floats, Ints
-from footscan.foot.nurbs import DEGREE, SplineTube, greville, periodic_knots
+from footscan.foot.nurbs import DEGREE, SplineTube, greville
 from footscan.foot.nurbs_fit import bases_at, evaluate_at
 from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, fill_rows
 from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.patches import ChordDisc, half_knots
 
 LEVEL_BELOW_MM = 14.0
 """Up to this height above the feather edge the directions go over from level (in the bottom) to the skin's normal."""
@@ -127,95 +126,6 @@ def _matrix_from_stencil(stencil: Floats) -> Sparse:
     j, i, dj, di = np.nonzero(stencil)
     other = (j + dj - REACH) * columns + (i + di - REACH) % columns
     return sparse.csc_matrix((stencil[j, i, dj, di], (j * columns + i, other)), shape=(rows * columns,) * 2)
-
-
-def refined(shoelast: Shoelast, times_round: int, extra_v: Floats) -> Shoelast:
-    """The same last, to rounding, with a finer control net.
-
-    Args:
-        shoelast: Any last.
-        times_round: How many columns for one; 1 leaves them.
-        extra_v: Knots to insert up the upper, each once, inside 0..1 and none of them a knot already.
-    """
-    tube = shoelast.upper
-    count = tube.count_u * times_round
-    knots_v = np.sort(np.concatenate([tube.knots_v, extra_v]))
-    places_u, places_v = _greville_round(count), greville(knots_v)
-    values = tube.grid(places_u, places_v)
-    up = np.linalg.solve(BSpline.design_matrix(places_v, knots_v, DEGREE).toarray(), values.reshape(len(places_v), -1))
-    wrapped = np.concatenate([np.eye(count), np.eye(count)[:DEGREE]])
-    around = np.linalg.inv(BSpline(periodic_knots(count), wrapped, DEGREE)(places_u))
-    net = np.einsum("ij,vjk->vik", around, up.reshape(len(places_v), count, 3), optimize=True)
-    bottom, top = (_refined_disc(disc, count) for disc in (shoelast.bottom, shoelast.cone_top))
-    return replace(shoelast, upper=SplineTube(net, knots_v), bottom=bottom, cone_top=top)
-
-
-@dataclass(frozen=True)
-class Coarse:
-    """A coarser net whose fields are fields of the chart's net.
-
-    Attributes:
-        spread: Sparse `(n_v * n_u, m_v * m_u)`: the chart's coefficients from the coarse ones.
-        shape: (m_v, m_u).
-        edge: `(n_v,)` the chart's rows that the coarse row of the feather edge consists of.
-    """
-
-    spread: Sparse
-    shape: tuple[int, int]
-    edge: Floats
-
-
-def coarse_space(tube: SplineTube, longest_mm: float) -> Coarse:
-    """Leave out every other knot, both ways and repeatedly, while spans stay shorter than a length."""
-    around, up = np.eye(tube.count_u), np.eye(len(tube.knots_v) - DEGREE - 1)
-    breaks = tube.knots_v[DEGREE:-DEGREE]
-    grid = tube.grid(np.arange(tube.count_u) / tube.count_u, breaks)
-    span_u = np.linalg.norm(np.roll(grid, -1, axis=1) - grid, axis=2).mean(axis=1).max()
-    while 2.0 * span_u < longest_mm and len(around.T) % 2 == 0:
-        around, span_u = around @ _subdivision(len(around.T) // 2), 2.0 * span_u
-    lengths = np.percentile(np.linalg.norm(np.diff(grid, axis=0), axis=2), 90, axis=1)
-    kept = _thinned(breaks, lengths, longest_mm)
-    if len(kept) < len(breaks):
-        knots = np.concatenate([tube.knots_v[:DEGREE], kept, tube.knots_v[-DEGREE:]])
-        places = greville(tube.knots_v)
-        fine = BSpline.design_matrix(places, tube.knots_v, DEGREE).toarray()
-        up = np.linalg.solve(fine, BSpline.design_matrix(places, knots, DEGREE).toarray())
-        up[np.abs(up) < _ROUNDING] = 0.0
-    spread = sparse.kron(sparse.csr_matrix(up), sparse.csr_matrix(around), format="csc")
-    return Coarse(spread, (up.shape[1], around.shape[1]), up[:, 0].copy())
-
-
-_ROUNDING = 1e-12
-
-
-def _subdivision(count: int) -> Floats:
-    """`(2 * count, count)`: a periodic cubic spline on twice as many columns; column i acts most at (i - 1) / count."""
-    result = np.zeros((2 * count, count))
-    column = np.arange(count)
-    for shift, share in ((-1, 0.125), (0, 0.75), (1, 0.125)):
-        result[(2 * column - 1) % (2 * count), (column + shift) % count] += share
-    for shift in (0, 1):
-        result[2 * column, (column + shift) % count] += 0.5
-    return result
-
-
-def _thinned(breaks: Floats, lengths: Floats, longest_mm: float) -> Floats:
-    """Breaks without those that join two spans into one that is still short enough."""
-    kept, run = [0], 0.0
-    for k in range(1, len(breaks) - 1):
-        run += lengths[k - 1]
-        if run + lengths[k] > longest_mm:
-            kept.append(k)
-            run = 0.0
-    return breaks[[*kept, len(breaks) - 1]]
-
-
-def _refined_disc(disc: ChordDisc, count_u: int) -> ChordDisc:
-    knots = half_knots(count_u)
-    places = greville(knots)
-    values = BSpline(disc.knots_s, disc.net_mm, DEGREE, axis=0)(places)
-    net = np.linalg.solve(BSpline.design_matrix(places, knots, DEGREE).toarray(), values.reshape(len(places), -1))
-    return ChordDisc(net.reshape(len(places), *values.shape[1:]), knots, disc.knots_t)
 
 
 def project(chart: Chart, tube: SplineTube, xyz: Floats, u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:

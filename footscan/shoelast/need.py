@@ -17,6 +17,9 @@ _FAR_MM, _DEEP_MM, _EDGE_MM, _MOST_TIMES = 25.0, 8.0, 1.0, 4.0
 """A place further away, or deeper inside, asks nothing of the upper; nor does one whose way along a direction does not
 agree with its distance: it has met another part of the surface."""
 
+CELLS = (256, 128)
+"""Of the places in one of so many cells around and up the upper, the one that asks most speaks for all."""
+
 
 @dataclass(frozen=True)
 class Room:
@@ -88,6 +91,17 @@ def find_need(chart: Chart, skin: LastSkin, mesh: DistanceMesh, xyz: Floats, roo
     known = np.isfinite(along) & (np.abs(along) < _FAR_MM) & (near.signed > -_DEEP_MM) & agreeing
     along = np.where(known, along, 0.0)
     return Need(u, v, along + room.least_mm / slope, along + room.most_mm / slope, room.loss_mm, known), near.signed
+
+
+def worst_per_cell(need: Need, shape: tuple[int, int]) -> Need:
+    """Of all places in one small cell of the chart, the one that asks most."""
+    around, up = CELLS
+    cell = np.floor(need.u * around).astype(np.int64) * up + np.floor(np.minimum(need.v, 1.0 - 1e-9) * up).astype(
+        np.int64
+    )
+    order = np.lexsort((-np.where(need.known, need.move_mm, -np.inf), cell))
+    first = order[np.concatenate([[True], np.diff(cell[order]) > 0])]
+    return need.of(first)
 
 
 def parameters_at(skin: LastSkin, face: Ints, weight: Floats, xyz: Floats) -> tuple[Floats, Floats]:

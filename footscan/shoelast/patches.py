@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from footscan.coordinates import Floats
-from footscan.foot.nurbs import DEGREE, SplineTube, clamped_knots, greville, periodic_knots
+from footscan.foot.nurbs import DEGREE, SplineTube, clamped_knots, greville
 
 MEDIAL, LATERAL = (0.0, 0.5), (1.0, 0.5)
 """Halves of a periodic boundary, from heel to toe: y is medial, and u grows from the heel along the medial side."""
@@ -59,13 +59,13 @@ def boundary_half(row_mm: Floats, half: tuple[float, float]) -> Floats:
     Returns:
         `(n_u / 2 + 3, 3)` control points from heel (u = 0 or 1) to toe (u = 1/2).
     """
-    count = len(row_mm)
-    knots = half_knots(count)
-    places = greville(knots)
-    wrapped = np.concatenate([row_mm, row_mm[:DEGREE]])
-    u = half[0] + (half[1] - half[0]) * places
-    values = BSpline(periodic_knots(count), wrapped, DEGREE)(np.clip(u, 0.0, 1.0))
-    return np.linalg.solve(BSpline.design_matrix(places, knots, DEGREE).toarray(), values)
+    half_count = len(half_knots(len(row_mm))) - 2 * DEGREE - 1
+    if half == LATERAL:  # the other way round: column 1 acts most at the heel
+        row_mm = row_mm[np.mod(2 - np.arange(len(row_mm)), len(row_mm))]
+    ring = row_mm[np.mod(np.arange(half_count + 3), len(row_mm))]
+    start = [(ring[0] + 4.0 * ring[1] + ring[2]) / 6.0, (2.0 * ring[1] + ring[2]) / 3.0]
+    end = [(ring[-3] + 2.0 * ring[-2]) / 3.0, (ring[-3] + 4.0 * ring[-2] + ring[-1]) / 6.0]
+    return np.vstack([start, ring[2:-2], end])
 
 
 def ruled_disc(row_mm: Floats, breaks_t: Floats) -> ChordDisc:

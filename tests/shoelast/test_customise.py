@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from footscan.errors import InputError, QualityError
-from footscan.shoelast.chart import bending_matrix, build_chart, coarse_space, project, refined
+from footscan.shoelast.chart import bending_matrix, build_chart, project
 from footscan.shoelast.compare import compare, compare_lasts
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.custom_report import plain_maximum_energy
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.model import Shoelast
+from footscan.shoelast.nets import coarse_space, refined
 from footscan.shoelast.pins import Pin
 from footscan.shoelast.pose import moved
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot

@@ -1,0 +1,45 @@
+"""Which skin a customised last is judged by, and what room is wanted there."""
+
+import numpy as np
+
+from footscan.errors import QualityError
+from footscan.shoelast.custom_settings import CustomSettings
+from footscan.shoelast.foot_pose import PosedFoot
+from footscan.shoelast.foot_samples import FootSamples, sample_foot
+from footscan.shoelast.model import Shoelast
+from footscan.shoelast.need import Room
+from footscan.shoelast.pins import pinned_mm
+from footscan.shoelast.profile import Profile, most_loss_mm, room_mm
+from footscan.shoelast.proof import Judged, judge
+from footscan.shoelast.top_line import FeatherLine, TopLine
+
+SEEN_SAMPLES = 106_000
+_LEAST_SHARE, _UNSEEN_SHARE = 0.05, 0.2
+
+
+def wanted_room(samples: FootSamples, posed: PosedFoot, profile: Profile, settings: CustomSettings) -> Room:
+    """What is wanted of every sample; pins add to it."""
+    least, most = room_mm(profile, samples.place, samples.normal_foot)
+    extra = pinned_mm(settings.pins, posed, samples)
+    return Room(least + extra, np.maximum(most, least) + extra, most_loss_mm(profile, samples.place))
+
+
+def judged_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> tuple[FootSamples, Judged]:
+    """Samples of which at least the proof's number are judged.
+
+    Raises:
+        QualityError: Hardly any skin below the top line was seen.
+    """
+    feather = FeatherLine(shoelast)
+    low = np.asarray(top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1), dtype=np.bool_)
+    plain = sample_foot(posed, 4000, faces=low)
+    share = float(judge(plain, feather.height_mm(plain.xyz), top_line).seen.mean())
+    if share < _LEAST_SHARE:
+        raise QualityError(
+            f"only {share:.0%} of the skin below the top line was seen; at least {_LEAST_SHARE:.0%} are needed to "
+            "prove that the last holds the foot. Scan again with more of the foot in view."
+        )
+    rough = sample_foot(posed, 8000, unseen_share=_UNSEEN_SHARE, faces=low)
+    share = float(judge(rough, feather.height_mm(rough.xyz), top_line).seen.mean())
+    samples = sample_foot(posed, int(SEEN_SAMPLES / share), unseen_share=_UNSEEN_SHARE, faces=low)
+    return samples, judge(samples, feather.height_mm(samples.xyz), top_line)
