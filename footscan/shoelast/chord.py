@@ -1,4 +1,4 @@
-"""How far flat triangles stray from the curved last, and the sampling that keeps this chord error small."""
+"""How far flat triangles stray from the curved last, and the few places at which this chord error stays small."""
 
 from dataclasses import dataclass
 
@@ -7,53 +7,68 @@ import numpy as np
 from footscan.coordinates import Floats
 from footscan.errors import QualityError
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.skin import Sampling
+from footscan.shoelast.skin import Breaks, Sampling, even_breaks
 
 CHORD_LIMIT_MM = 0.02
 _INSIDE = 0.75  # inside a triangle a quadratic strays up to 4/3 as far as in the middles of its edges
-_SPARE = 1.03  # a little finer than the square law says, so that one more round is rarely needed
-_COARSE = Sampling(120, 40, 12)
-_MOST = Sampling(3000, 1200, 800)
+_FIRST = Sampling(480, 160, 24)
+"""Where the bends are looked for; a chord's error goes with the square of its length."""
+_ROUNDS, _SPARE, _MOST_STEPS = 6, 0.97, 3000
+_SLOWEST = 0.15
+"""No place gets fewer points than this share of its neighbours' density, so that triangles change size gradually."""
 
 
 @dataclass(frozen=True)
 class ChordError:
-    """How far (mm) the surface lies beside the middles of chords: the worst `round`, `up`, `across`, `diagonal` chord.
+    """How far (mm) the surface lies beside the middles of chords, the worst of every step `along`, `up` and `across`.
 
     Slides within the surface are left out. The mesh strays at most 4/3 of the worst from the surface.
+
+    Attributes:
+        along: `(h - 1,)` of the steps from heel to toe, on both halves of the upper and on bottom and cone top.
+        up: `(k - 1,)` of the steps up the upper.
+        across: `(m - 1,)` of the steps across bottom and cone top.
+        diagonal: The worst diagonal.
     """
 
-    round: float
-    up: float
-    across: float
+    along: Floats
+    up: Floats
+    across: Floats
     diagonal: float
 
     @property
     def bound_mm(self) -> float:
         """A bound of the distance between mesh and surface."""
-        return max(self.round, self.up, self.across, self.diagonal) / _INSIDE
+        return max(float(self.along.max()), float(self.up.max()), float(self.across.max()), self.diagonal) / _INSIDE
 
 
-def chord_error(shoelast: Shoelast, fine: Sampling) -> ChordError:
-    """Measure every edge and diagonal of `skin_of(shoelast, fine)` against the surface."""
-    u = np.arange(2 * fine.round + 1) / (2 * fine.round)
-    v = np.arange(2 * fine.up + 1) / (2 * fine.up)
-    tube = shoelast.upper.grid(u, v)
-    up, around, crossing = _gaps(tube)
-    s, t = np.arange(fine.round + 1) / fine.round, np.arange(2 * fine.across + 1) / (2 * fine.across)
+def chord_error(shoelast: Shoelast, breaks: Breaks) -> ChordError:
+    """Measure every edge and diagonal of `skin_of(shoelast, breaks)` against the surface."""
+    s, t = _with_middles(breaks.along), _with_middles(breaks.across)
+    around = np.concatenate([0.5 * s, 1.0 - 0.5 * s[-2::-1]])
+    tube = shoelast.upper.grid(around, _with_middles(breaks.up))
+    up, round_, crossing = _gaps(tube)
+    round_ = np.maximum(round_, _beside(tube[[0, -1]]))
     discs = [_gaps(disc.grid(s, t)) for disc in (shoelast.bottom, shoelast.cone_top)]
+    steps = len(breaks.along) - 1
     return ChordError(
-        round=max(around, _beside(tube[[0, -1]]), *(gaps[0] for gaps in discs)),
+        along=np.max([round_[:steps], round_[: -steps - 1 : -1], *(gaps[0] for gaps in discs)], axis=0),
         up=up,
-        across=max(gaps[1] for gaps in discs),
-        diagonal=max(crossing, *(gaps[2] for gaps in discs)),
+        across=np.maximum(discs[0][1], discs[1][1]),
+        diagonal=max(crossing, discs[0][2], discs[1][2]),
     )
 
 
-def _gaps(xyz: Floats) -> tuple[float, float, float]:
-    """Along columns, rows and the mesh's diagonals, of points `(2 m + 1, 2 k + 1, 3)` at half steps, along the normal.
+def _with_middles(breaks: Floats) -> Floats:
+    result = np.empty(2 * len(breaks) - 1)
+    result[::2], result[1::2] = breaks, 0.5 * (breaks[:-1] + breaks[1:])
+    return result
 
-    Along the normal, because a slide within the surface is no error.
+
+def _gaps(xyz: Floats) -> tuple[Floats, Floats, float]:
+    """Worst of every step along columns `(m,)`, rows `(k,)` and of the mesh's diagonals, along the normal.
+
+    Of points `(2 m + 1, 2 k + 1, 3)` at half steps. Along the normal, because a slide within the surface is no error.
     """
     normal = np.cross(np.gradient(xyz, axis=0), np.gradient(xyz, axis=1))
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-30)
@@ -63,46 +78,51 @@ def _gaps(xyz: Floats) -> tuple[float, float, float]:
         (xyz[::2, 1::2] - 0.5 * (corner[:, :-1] + corner[:, 1:])) * normal[::2, 1::2],
         (xyz[1::2, 1::2] - 0.5 * (corner[:-1, :-1] + corner[1:, 1:])) * normal[1::2, 1::2],
     )
-    along, across, diagonal = (float(np.abs(gap.sum(axis=-1)).max()) for gap in gaps)
-    return along, across, diagonal
+    down, across, diagonal = (np.abs(gap.sum(axis=-1)) for gap in gaps)
+    return down.max(axis=1), across.max(axis=0), float(diagonal.max())
 
 
-def _beside(edges: Floats) -> float:
-    """How far curves `(k, 2 m + 1, 3)` at half steps lie beside their chords, sideways in any direction."""
+def _beside(edges: Floats) -> Floats:
+    """How far curves `(k, 2 m + 1, 3)` at half steps lie beside their chords, sideways in any direction, `(m,)`."""
     begin, middle, end = edges[:, :-1:2], edges[:, 1::2], edges[:, 2::2]
     chord = end - begin
     along = chord / np.maximum(np.linalg.norm(chord, axis=-1, keepdims=True), 1e-30)
     gap = middle - 0.5 * (begin + end)
     gap = gap - (gap * along).sum(axis=-1, keepdims=True) * along
-    return float(np.linalg.norm(gap, axis=-1).max())
+    return np.linalg.norm(gap, axis=-1).max(axis=0)
 
 
-def sampling_within(shoelast: Shoelast, limit_mm: float = CHORD_LIMIT_MM) -> tuple[Sampling, ChordError]:
-    """The sampling of `skin_of` at which the mesh stays within `limit_mm` of the surface, and what it reaches.
+def breaks_within(shoelast: Shoelast, limit_mm: float = CHORD_LIMIT_MM) -> tuple[Breaks, ChordError]:
+    """Few places for `skin_of` at which the mesh stays within `limit_mm` of the surface, and what it reaches.
 
     Raises:
-        QualityError: Not reached with the finest sampling: the last has a crease.
+        QualityError: Not reached: the last has a crease.
     """
-    fine, error = _COARSE, chord_error(shoelast, _COARSE)
-    while error.bound_mm > limit_mm and fine != _MOST:
-        fine = _finer(fine, error, limit_mm * _INSIDE)
-        error = chord_error(shoelast, fine)
-    if error.bound_mm > limit_mm:
-        raise QualityError(
-            f"{shoelast.name}: a mesh of {fine.round} x {fine.up} points strays {error.bound_mm:.3f} mm from the "
-            f"surface, at most {limit_mm:g} mm is allowed: the surface has a crease; import or customise it again."
+    first = even_breaks(_FIRST)
+    seen = chord_error(shoelast, first)
+    breaks, error, allowed = first, seen, 0.5 * _INSIDE * limit_mm  # a diagonal strays as far as two steps together
+    for _ in range(_ROUNDS):
+        breaks = Breaks(
+            _spread(first.along, seen.along, allowed),
+            _spread(first.up, seen.up, allowed),
+            _spread(first.across, seen.across, allowed),
         )
-    return fine, error
+        error = chord_error(shoelast, breaks)
+        if error.bound_mm <= limit_mm:
+            return breaks, error
+        allowed *= _SPARE * limit_mm / error.bound_mm
+    raise QualityError(
+        f"{shoelast.name}: a mesh of {len(breaks.around)} x {len(breaks.up)} points strays {error.bound_mm:.3f} mm "
+        f"from the surface, at most {limit_mm:g} mm is allowed: the surface has a crease; import or customise it again."
+    )
 
 
-def _finer(fine: Sampling, error: ChordError, allowed: float) -> Sampling:
-    """More steps where a chord strays too far; only when all chords are good do the diagonals refine everything."""
-    worst = {"round": error.round, "up": error.up, "across": error.across}
-    if max(worst.values()) <= allowed:
-        worst = dict.fromkeys(worst, error.diagonal)
-    steps = {name: min(_steps(getattr(fine, name), gap, allowed), getattr(_MOST, name)) for name, gap in worst.items()}
-    return Sampling(steps["round"] + steps["round"] % 2, steps["up"], steps["across"])
-
-
-def _steps(now: int, gap: float, allowed: float) -> int:
-    return now if gap <= allowed else max(now + 2, int(np.ceil(now * _SPARE * np.sqrt(gap / allowed))))
+def _spread(breaks: Floats, gap: Floats, allowed: float) -> Floats:
+    """Breaks so dense everywhere that no step strays further than allowed, if `gap` is what even ones stray."""
+    steps = np.sqrt(np.maximum(gap, 0.0) / allowed)
+    wide = np.concatenate([steps[:1], steps, steps[-1:]])
+    steps = np.maximum.reduce([wide[:-2], wide[1:-1], wide[2:]])
+    steps = np.maximum(steps, _SLOWEST * steps.max())
+    total = np.concatenate([[0.0], np.cumsum(steps)])
+    count = int(np.clip(np.ceil(total[-1]), 2, _MOST_STEPS))
+    return np.interp(np.arange(count + 1) / count * total[-1], total, breaks)

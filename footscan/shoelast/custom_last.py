@@ -10,7 +10,7 @@ from footscan.shoelast.need import Need
 from footscan.shoelast.profile import Profile
 from footscan.shoelast.proof import Proof
 from footscan.shoelast.registration import Registration
-from footscan.shoelast.skin import LastSkin
+from footscan.shoelast.skin import Breaks, LastSkin
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,8 @@ class CustomLast:
         shoelast: The new last; a NURBS with the original's surface wherever nothing changed.
         original: The last it was made from, on the same control net.
         skin: Closed mesh of the new last (the one the proof is about), in the last's frame in memory.
+        breaks: Where it samples the last.
+        chord_error_mm: Bound of its distance from the NURBS.
         displacement_mm: `(n,)` per vertex of `skin`: how far it moved, positive outwards.
         changed: `(n,)` which vertices moved by more than 0.01 mm.
         posed: The foot as posed and registered.
@@ -75,6 +77,8 @@ class CustomLast:
     shoelast: Shoelast
     original: Shoelast
     skin: LastSkin
+    breaks: Breaks
+    chord_error_mm: float
     displacement_mm: Floats
     changed: Bools
     posed: PosedFoot

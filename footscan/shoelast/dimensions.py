@@ -42,8 +42,8 @@ DEFINITIONS: dict[str, str] = {
     "ball_girth": "tape round the upright plane through both ball points",
     "waist_girth": "tape parallel to the ball plane, half-way along the axis between it and the instep plane",
     "instep_girth": "tape round the upright plane across the axis at the instep point",
-    "short_heel_girth": "tape round heel point and instep point, square to the side view",
-    "long_heel_girth": "tape round heel point and front of the cone, square to the side view",
+    "short_heel_girth": "tape round heel point and front of the cone, square to the side view",
+    "long_heel_girth": "tape round heel point and instep point, square to the side view",
     "ball_width": "across the axis, medial to lateral ball point",
     "heel_width": "width across the axis at 16 % of the stick length",
     "bottom_ball_width": "between the feather edges, along the ball plane",
@@ -68,8 +68,8 @@ def tape_planes(points: Mapping[str, Floats]) -> dict[str, TapePlane]:
         "ball_girth": TapePlane(medial, ball),
         "waist_girth": TapePlane(waist, ball),
         "instep_girth": TapePlane(instep, np.array([1.0, 0.0, 0.0])),
-        "short_heel_girth": TapePlane(heel, _square_to_side_view(instep - heel)),
-        "long_heel_girth": TapePlane(heel, _square_to_side_view(points["cone_front"] - heel)),
+        "short_heel_girth": TapePlane(heel, _square_to_side_view(points["cone_front"] - heel)),
+        "long_heel_girth": TapePlane(heel, _square_to_side_view(instep - heel)),
     }
 
 

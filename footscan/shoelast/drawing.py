@@ -14,7 +14,7 @@ from footscan.coordinates import Floats
 from footscan.foot.sections import Section, measure_cut
 from footscan.foot.shell import Shell
 from footscan.shoelast.bottom_pattern import BottomPattern, bottom_pattern
-from footscan.shoelast.chord import sampling_within
+from footscan.shoelast.chord import breaks_within
 from footscan.shoelast.handed import DATUM, mirrored_mesh
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.skin import skin_of
@@ -38,7 +38,7 @@ class LastSection:
 
 def cut_last(shoelast: Shoelast, spacing_mm: float = SPACING_MM) -> list[LastSection]:
     """Cut a last upright across its axis every `spacing_mm` from the rearmost point."""
-    fine, _ = sampling_within(shoelast, _CHORD_MM)
+    fine, _ = breaks_within(shoelast, _CHORD_MM)
     mesh = mirrored_mesh(skin_of(shoelast, fine).mesh(), shoelast.side)
     shell = Shell(np.asarray(mesh.vertices), np.ascontiguousarray(mesh.faces))
     back, front = float(shell.xyz[:, 0].min()), float(shell.xyz[:, 0].max())

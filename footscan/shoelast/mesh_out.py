@@ -12,7 +12,7 @@ import trimesh
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
-from footscan.shoelast.chord import CHORD_LIMIT_MM, sampling_within
+from footscan.shoelast.chord import CHORD_LIMIT_MM, breaks_within
 from footscan.shoelast.handed import DATUM, mirrored_mesh
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.skin import skin_of
@@ -50,7 +50,7 @@ def mesh_of_last(shoelast: Shoelast, stub: Stub = "without", limit_mm: float = C
         QualityError: The chord error cannot be reached.
         MeshError: A stub was asked for and the last has none.
     """
-    fine, error = sampling_within(shoelast, limit_mm)
+    fine, error = breaks_within(shoelast, limit_mm)
     body = mirrored_mesh(skin_of(shoelast, fine).mesh(), shoelast.side)
     bodies = {"last": body}
     if stub != "without":

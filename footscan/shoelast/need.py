@@ -18,7 +18,7 @@ _FAR_MM, _DEEP_MM, _EDGE_MM, _MOST_TIMES = 25.0, 8.0, 1.0, 4.0
 agree with its distance: it has met another part of the surface."""
 
 CELLS = (256, 128)
-"""Of the places in one of so many cells around and up the upper, the one that asks most speaks for all."""
+"""Of the places in one of so many cells around and up the upper, the one that lacks most speaks for all."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Need:
 
 
 def find_need(chart: Chart, skin: LastSkin, mesh: DistanceMesh, xyz: Floats, room: Room) -> tuple[Need, Floats]:
-    """Follow places of skin to the upper of a last.
+    """Follow places of skin to the upper of a last: of all in one small cell, the one that lacks most.
 
     Args:
         chart: Of the last as `skin` shows it: its `tube` is the upper that `skin` samples.
@@ -77,31 +77,33 @@ def find_need(chart: Chart, skin: LastSkin, mesh: DistanceMesh, xyz: Floats, roo
         room: Wanted there.
 
     Returns:
-        The need, as displacements from this upper, and the signed distances `(n,)` (negative inside).
+        The need, as displacements from this upper, and the signed distances `(n,)` of all places (negative inside).
     """
     near = mesh.nearest(xyz)
     u, v = parameters_at(skin, near.face, near.weight, near.xyz)
-    u, v, along = project(chart, chart.tube, xyz, u, np.clip(v, _START_V, 1.0 - _START_V))
+    some = _worst_per_cell(u, v, near.signed + room.least_mm)
+    start = (u[some], np.clip(v[some], _START_V, 1.0 - _START_V))
+    return _followed(chart, xyz[some], start, near.signed[some], room.of(some)), near.signed
+
+
+def _worst_per_cell(u: Floats, v: Floats, lack_mm: Floats) -> Ints:
+    around, up = CELLS
+    cell = np.minimum(u * around, around - 1).astype(np.int64) * up + np.minimum(v * up, up - 1).astype(np.int64)
+    order = np.lexsort((-lack_mm, cell))
+    return order[np.concatenate([[True], np.diff(cell[order]) > 0])]
+
+
+def _followed(chart: Chart, xyz: Floats, start: tuple[Floats, Floats], signed: Floats, room: Room) -> Need:
+    u, v, along = project(chart, chart.tube, xyz, *start)
     here, way = evaluate_at(chart.tube, u, v), evaluate_at(chart.direction, u, v)
     normal = np.cross(here.along_v, here.along_u)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     slope = np.maximum((normal * way.xyz_mm).sum(axis=1), _LEAST_SLOPE)
-    same_side = (along > 0.0) == (near.signed > 0.0)
-    agreeing = (same_side | (np.abs(along) < _EDGE_MM)) & (np.abs(along) < _MOST_TIMES * np.abs(near.signed) + _EDGE_MM)
-    known = np.isfinite(along) & (np.abs(along) < _FAR_MM) & (near.signed > -_DEEP_MM) & agreeing
+    same_side = (along > 0.0) == (signed > 0.0)
+    agreeing = (same_side | (np.abs(along) < _EDGE_MM)) & (np.abs(along) < _MOST_TIMES * np.abs(signed) + _EDGE_MM)
+    known = np.isfinite(along) & (np.abs(along) < _FAR_MM) & (signed > -_DEEP_MM) & agreeing
     along = np.where(known, along, 0.0)
-    return Need(u, v, along + room.least_mm / slope, along + room.most_mm / slope, room.loss_mm, known), near.signed
-
-
-def worst_per_cell(need: Need, shape: tuple[int, int]) -> Need:
-    """Of all places in one small cell of the chart, the one that asks most."""
-    around, up = CELLS
-    cell = np.floor(need.u * around).astype(np.int64) * up + np.floor(np.minimum(need.v, 1.0 - 1e-9) * up).astype(
-        np.int64
-    )
-    order = np.lexsort((-np.where(need.known, need.move_mm, -np.inf), cell))
-    first = order[np.concatenate([[True], np.diff(cell[order]) > 0])]
-    return need.of(first)
+    return Need(u, v, along + room.least_mm / slope, along + room.most_mm / slope, room.loss_mm, known)
 
 
 def parameters_at(skin: LastSkin, face: Ints, weight: Floats, xyz: Floats) -> tuple[Floats, Floats]:

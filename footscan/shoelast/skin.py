@@ -22,6 +22,33 @@ class Sampling:
 
 
 @dataclass(frozen=True)
+class Breaks:
+    """Where: unevenly spaced parameters from 0 to 1, so that bends get many points and flat places few.
+
+    Attributes:
+        along: `(h,)` from heel to toe, the same on both halves of the edges and on bottom and cone top.
+        up: `(k,)` up the upper, from the feather edge.
+        across: `(m,)` across bottom and cone top.
+    """
+
+    along: Floats
+    up: Floats
+    across: Floats
+
+    @property
+    def around(self) -> Floats:
+        """`(2 h - 2,)` the parameters u once round the edges."""
+        half = 0.5 * self.along
+        return np.concatenate([half, 1.0 - half[-2:0:-1]])
+
+
+def even_breaks(sampling: Sampling) -> Breaks:
+    """The evenly spaced ones of a sampling."""
+    half, up, across = sampling.round // 2, sampling.up, sampling.across
+    return Breaks(np.arange(half + 1) / half, np.arange(up + 1) / up, np.arange(across + 1) / across)
+
+
+@dataclass(frozen=True)
 class LastSkin:
     """A closed mesh in the last's frame.
 
@@ -42,17 +69,17 @@ class LastSkin:
         return trimesh.Trimesh(self.xyz_shoelast, self.faces, process=False)
 
 
-def skin_of(shoelast: Shoelast, sampling: Sampling | None = None) -> LastSkin:
+def skin_of(shoelast: Shoelast, sampling: Sampling | Breaks | None = None) -> LastSkin:
     """Sample a last; every edge of the mesh is shared by two faces."""
-    fine = sampling or Sampling()
-    u, v = np.arange(fine.round) / fine.round, np.linspace(0.0, 1.0, fine.up + 1)
+    breaks = sampling if isinstance(sampling, Breaks) else even_breaks(sampling or Sampling())
+    u, v = breaks.around, breaks.up
     upper = shoelast.upper.grid(u, v).reshape(-1, 3)
     uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    sides = _tube_faces(fine.round, fine.up)
+    sides = _tube_faces(len(u), len(v) - 1)
     begin = len(upper)
-    low, low_faces = _disc(shoelast.bottom, fine, np.arange(fine.round), begin)
-    high_rim = np.arange(fine.round) + fine.up * fine.round
-    high, high_faces = _disc(shoelast.cone_top, fine, high_rim, begin + len(low))
+    low, low_faces = _disc(shoelast.bottom, breaks, np.arange(len(u)), begin)
+    high_rim = np.arange(len(u)) + (len(v) - 1) * len(u)
+    high, high_faces = _disc(shoelast.cone_top, breaks, high_rim, begin + len(low))
     parts = (sides, low_faces[:, ::-1], high_faces)
     patch = np.repeat([UPPER, BOTTOM, CONE_TOP], [len(part) for part in parts])
     return LastSkin(np.vstack([upper, low, high]), np.vstack(parts), patch, uv)
@@ -70,14 +97,13 @@ def _quads(a: Ints, b: Ints, c: Ints, d: Ints) -> Ints:
     return np.concatenate([part.reshape(-1, 3) for part in corners])
 
 
-def _disc(disc: ChordDisc, fine: Sampling, rim: Ints, begin: int) -> tuple[Floats, Ints]:
+def _disc(disc: ChordDisc, breaks: Breaks, rim: Ints, begin: int) -> tuple[Floats, Ints]:
     """Inner points of a disc and its faces, counter-clockwise seen from above; `rim` are the indices of its edge."""
-    half = fine.round // 2
-    s, t = np.arange(1, half) / half, np.arange(1, fine.across) / fine.across
-    inner = disc.grid(s, t).reshape(-1, 3)
-    index = begin + np.arange(len(inner)).reshape(half - 1, fine.across - 1)
+    half, wide = len(breaks.along) - 1, len(breaks.across) - 1
+    inner = disc.grid(breaks.along[1:-1], breaks.across[1:-1]).reshape(-1, 3)
+    index = begin + np.arange(len(inner)).reshape(half - 1, wide - 1)
     rows = np.column_stack([rim[:half:-1], index, rim[1:half]])
     faces = _quads(rows[:-1, :-1], rows[1:, :-1], rows[1:, 1:], rows[:-1, 1:])
-    heel = np.stack([np.full(fine.across, rim[0]), rows[0, :-1], rows[0, 1:]], axis=-1)
-    toe = np.stack([np.full(fine.across, rim[half]), rows[-1, 1:], rows[-1, :-1]], axis=-1)
+    heel = np.stack([np.full(wide, rim[0]), rows[0, :-1], rows[0, 1:]], axis=-1)
+    toe = np.stack([np.full(wide, rim[half]), rows[-1, 1:], rows[-1, :-1]], axis=-1)
     return inner, np.vstack([faces, heel, toe])

@@ -177,6 +177,7 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
             "changed_share": float(np.mean(custom.changed)),
         },
         "bottom_widened_mm": custom.widening_mm,
+        "mesh": {"triangles": len(custom.skin.faces), "chord_error_mm": custom.chord_error_mm},
         "smoothness": smooth,
         "unmet": list(custom.unmet),
         "remarks": list(custom.posed.remarks),

@@ -71,16 +71,16 @@ def test_the_mesh_is_closed_and_the_cone_and_back_are_held(custom: CustomLast):
 
 
 def test_beyond_the_transition_nothing_moves(custom: CustomLast):
-    before = skin_of(custom.original).xyz_shoelast
+    before = skin_of(custom.original, custom.breaks).xyz_shoelast
     off = np.linalg.norm(custom.skin.xyz_shoelast - before, axis=1)
-    need = custom.need
+    need, edge = custom.need, np.arange(2 * len(custom.breaks.around))
     asks = need.known & ((need.move_mm > 0.01) | ((need.hold_mm < -0.1) & (need.loss_mm > 0.1)))
     u = np.concatenate([need.u[asks]])
     places = np.vstack(
         [custom.original.upper.grid(u[k : k + 1], need.v[asks][k : k + 1])[0, 0] for k in range(0, len(u), 3)]
     )
     if custom.widening_mm > 0.0:
-        places = np.vstack([places, before[: 2 * 360][off[: 2 * 360] > 0.01]])
+        places = np.vstack([places, before[edge][off[edge] > 0.01]])
 
     sides = np.arange(len(custom.skin.uv))
     gap = np.full(len(sides), np.inf)
