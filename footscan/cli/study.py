@@ -138,8 +138,13 @@ def study_drivers(
 
 
 def _driver_table(runs: list[DriverRun]) -> Table:
-    table = Table(title="RMS, mm: from the true skin (also turned back by what homing was off), simulated skin, replay")
-    for column in ("devices", "frames", "lost", "true skin", "turned back", "homing off", "simulated", "replayed"):
+    title = (
+        "RMS, mm: from the true skin (also turned back by what homing was off), from the simulated cloud, and from "
+        "the same pictures with true counts (with the latency that a calibration finds, and without)"
+    )
+    table = Table(title=title)
+    names = ("devices", "frames", "lost", "true skin", "turned back", "homing off", "simulated", "replayed", "without")
+    for column in (*names, "late"):
         table.add_column(column, justify="left" if column == "devices" else "right")
     for run in runs:
         table.add_row(
@@ -150,6 +155,8 @@ def _driver_table(runs: list[DriverRun]) -> Table:
             f"{run.turned_mm:.3f}",
             f"{run.home_off_deg:+.2f} deg",
             "" if run.same_mm is None else f"{run.same_mm:.3f}",
-            "" if run.replayed_mm is None or run.paired is None else f"{run.replayed_mm:.3f} ({run.paired:.1%})",
+            "" if run.replayed_mm is None else f"{run.replayed_mm:.3f}",
+            "" if run.late_replayed_mm is None else f"{run.late_replayed_mm:.3f}",
+            "" if run.late_ms is None else f"{run.late_ms:+.2f} ms",
         )
     return table

@@ -15,7 +15,7 @@ class HeadDrive:
         random = np.random.default_rng([seed, 0x407104])
         self._hertz, self._phase = random.uniform(0.8, 6.0, 3), random.uniform(0.0, 2.0 * np.pi, 3)
         self._acceleration, self._ripple = acceleration_rad_s2, ripple
-        self._speed = 0.0
+        self._speed = self._rate = 0.0
         self._time_s, self._theta_rad = np.array([start_s]), np.array([theta_rad])
         self.blocked = False
 
@@ -35,8 +35,9 @@ class HeadDrive:
         return self._speed != 0.0
 
     def theta_at(self, time_s: Floats) -> Floats:
-        """Angles at some remembered moments."""
-        return np.interp(time_s, self._time_s, self._theta_rad)
+        """Angles at some remembered moments, and up to a step after the newest: the head goes on as it does."""
+        ahead_s = np.clip(time_s - self.now_s, 0.0, STEP_S)
+        return np.interp(time_s, self._time_s, self._theta_rad) + self._rate * ahead_s
 
     def turn_until(self, time_s: float, target_rad_s: float) -> None:
         """Let time pass with the motor at one command."""
@@ -51,7 +52,7 @@ class HeadDrive:
         speed = np.clip(self._speed + change, low, high)
         waves = np.sin(2.0 * np.pi * self._hertz * moments[:, None] + self._phase).sum(axis=1)
         rate = 0.5 * (speed[1:] + speed[:-1]) * (1.0 + self._ripple * np.sqrt(2.0 / 3.0) * waves)
-        self._speed = float(speed[-1])
+        self._speed, self._rate = float(speed[-1]), float(rate[-1])
         self._time_s = np.concatenate([self._time_s, moments])[-2 * _KEPT_STEPS :]
         self._theta_rad = np.concatenate([self._theta_rad, self.theta_rad + np.cumsum(rate) * STEP_S])[
             -2 * _KEPT_STEPS :

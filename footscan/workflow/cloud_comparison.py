@@ -1,36 +1,36 @@
-"""Two clouds of one foot: how far apart their points are, frame by frame, and how far apart their skins."""
+"""Two clouds of one foot: how far apart their points are, and how far apart the skins they show."""
 
 import numpy as np
 
-from footscan.coordinates import Bools, Floats
+from footscan.coordinates import Floats
+from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.geometry.nearest import PointTree
 from footscan.scanning.cloud import Cloud
+from footscan.sim.surface import Surface
 
 HEIGHTS_MM = (3.0, 95.0)
 """Above the board: where clouds are compared."""
 _NEIGHBOURS = 12
 _REACH_MM = 5.0
-_FRAME_APART_MM = 1000.0
-_SAME_POINT_MM = 0.5
 
 
-def points_apart(one: Cloud, other: Cloud) -> tuple[float, float]:
-    """RMS distance (mm) of points of the same frame, and the share of the first cloud's points that have a partner."""
-    distance, _ = PointTree(_by_frame(other)).nearest(_by_frame(one), 1, _SAME_POINT_MM)
-    paired = distance[np.isfinite(distance)]
-    return rms(paired), len(paired) / max(len(one), 1)
+def rms_apart(one: Cloud, other: Cloud) -> float:
+    """RMS distance (mm) of the same points in two clouds of the same pictures."""
+    return rms(np.linalg.norm(one.xyz_world - other.xyz_world, axis=1))
 
 
-def skins_apart(one: Cloud, other: Cloud) -> float:
-    """RMS distance (mm) of the middles of 12 neighbours of one cloud to the planes through 12 of the other.
+def clouds_apart(one: Cloud, other: Cloud, skin: Surface) -> float:
+    """RMS difference (mm) of how far two clouds lie off the skin they are of, each as the mean of 12 neighbours.
 
-    The noise of single points is mostly gone in such middles; what two scans do to the skin is not.
+    The noise of single points is mostly gone in such means, and where the stripes happened to fall does not matter;
+    what two scans do to the skin is left.
     """
-    middles, _, whole = _patches(one.xyz_world, one.xyz_world[::3])
-    z = middles[:, 2]
-    middles = middles[whole & (z > HEIGHTS_MM[0]) & (z < HEIGHTS_MM[1])]
-    others, normals, whole = _patches(other.xyz_world, middles)
-    return rms(np.sum((middles - others) * normals, axis=1)[whole])
+    tree = DistanceMesh(skin.xyz_world, skin.faces)
+    z = one.xyz_world[:, 2]
+    places = one.xyz_world[(z > HEIGHTS_MM[0]) & (z < HEIGHTS_MM[1])][::3]
+    first, second = (_mean_off_mm(cloud, tree, places) for cloud in (one, other))
+    known = np.isfinite(first) & np.isfinite(second)
+    return rms((first - second)[known])
 
 
 def rms(values: Floats) -> float:
@@ -38,18 +38,10 @@ def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
 
 
-def _by_frame(cloud: Cloud) -> Floats:
-    """`(n, 4)`: points of different frames are far apart."""
-    frame: Floats = _FRAME_APART_MM * cloud.frame.astype(np.float64)
-    return np.concatenate([cloud.xyz_world, frame[:, None]], axis=1)
-
-
-def _patches(xyz: Floats, queries: Floats) -> tuple[Floats, Floats, Bools]:
-    """Middles `(m, 3)` and normals `(m, 3)` of the points around some places, and where 12 of them are near."""
-    distance, index = PointTree(xyz).nearest(queries, _NEIGHBOURS, _REACH_MM)
-    whole: Bools = np.asarray(np.all(np.isfinite(distance), axis=1))
-    near: Floats = xyz[np.where(np.isfinite(distance), index, 0)]
-    middle: Floats = near.mean(axis=1)
-    centred = near - middle[:, None]
-    normal: Floats = np.linalg.eigh(np.swapaxes(centred, 1, 2) @ centred)[1][:, :, 0]
-    return middle, normal, whole
+def _mean_off_mm(cloud: Cloud, tree: DistanceMesh, places: Floats) -> Floats:
+    """Mean signed distance `(m,)` off the skin of the 12 points around each place; NaN where fewer are near."""
+    off_mm = tree.nearest(cloud.xyz_world).signed
+    distance, index = PointTree(cloud.xyz_world).nearest(places, _NEIGHBOURS, _REACH_MM)
+    whole = np.all(np.isfinite(distance), axis=1)
+    mean: Floats = off_mm[np.where(whole[:, None], index, 0)].mean(axis=1)
+    return np.where(whole, mean, np.nan)

@@ -1,13 +1,14 @@
 """The driver study: one foot scanned by the pure simulation and over real drivers on emulators; the clouds compared.
 
 Every way begins alike: home, two sweeps, the true calibration. What homing is off by turns a whole cloud about the
-axis; it is measured and told apart. Then what the drivers said of time and angle is *replayed*: the pictures that the
-machine would have taken had every stamp and count been exact, with the noise of the real ones. The rest between the two
-clouds, point by point, is what the drivers' clocks got wrong.
+axis; it is measured and told apart. Then the counts are *replayed*: the same pictures, with the counts that the counter
+really showed at the moments which the driver stamped. What is left between the two clouds, point by point, is what the
+drivers' clocks got wrong; the constant part of it is one with the latency that a calibration measures.
 """
 
 import contextlib
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,27 +17,26 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from footscan.config import RecordingInfo, scanner_toml
+from footscan.config import RecordingInfo
 from footscan.config.device_models import SimulatedCamera, SimulatedEncoder, SimulatedIo
 from footscan.config.io_models import AdamModel, Dialect
 from footscan.config.rig_file import Rig
-from footscan.coordinates import Frame
+from footscan.coordinates import Floats, Frame
 from footscan.errors import DeviceError
 from footscan.geometry.rigid import turn_z
 from footscan.optics.calibration import Calibration
 from footscan.scanning.angles import frame_angles
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
-from footscan.scanning.recorder import RecordingWriter
-from footscan.scanning.recording import Recording, open_recording
+from footscan.scanning.recording import EncoderTrack, Recording, open_recording
 from footscan.scanning.session.control import Session, SessionSetup
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
 from footscan.scanning.session.states import FrameCount
 from footscan.scanning.sweep import SweepSettings
-from footscan.sim.picture import Painter
+from footscan.sim.motion import count_from_theta
 from footscan.sim.surface import Surface
 from footscan.sim.world import World
-from footscan.workflow.cloud_comparison import HEIGHTS_MM, points_apart, rms, skins_apart
+from footscan.workflow.cloud_comparison import HEIGHTS_MM, clouds_apart, rms, rms_apart
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings, ScanResult, build_tables, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
@@ -48,6 +48,7 @@ SWITCHING_S = {115200: 0.010, 9600: 0.040}
 SAME_MM, REPLAYED_MM = 0.05, 0.02
 _FARTHEST_TURN_RAD = np.deg2rad(1.0)
 _ATTEMPTS = 4
+_TRUE_STEP_S, _REMEMBERED_S, _RATE_S = 0.001, 0.2, 0.005
 _INFO = RecordingInfo("scan", "left", "2026-01-01T00:00:00+00:00", "driver study")
 
 
@@ -61,9 +62,11 @@ class DriverRun:
         truth_mm: RMS distance of the cloud to the true skin, 3 < z < 95 mm.
         turned_mm: The same once the cloud is turned back about the axis.
         home_off_deg: How far.
-        same_mm: RMS distance of this cloud's skin to the pure simulation's, each the mean of 12 neighbours; None there.
-        replayed_mm: RMS distance of its points to those of the replay; None for the pure simulation.
-        paired: Share of its points that have one within 0.5 mm in the same frame of the replay.
+        same_mm: RMS difference of this cloud to the pure simulation's, each as the mean of 12 neighbours off the true
+            skin; None there.
+        late_ms: How much too late counts are stamped, against the pictures: part of the latency a calibration finds.
+        replayed_mm: RMS distance of its points to those of the replay, with that latency; None for the pure simulation.
+        late_replayed_mm: The same with the latency of the true machine.
     """
 
     name: str
@@ -73,7 +76,8 @@ class DriverRun:
     home_off_deg: float
     same_mm: float | None = None
     replayed_mm: float | None = None
-    paired: float | None = None
+    late_replayed_mm: float | None = None
+    late_ms: float | None = None
 
     @property
     def well(self) -> bool:
@@ -105,22 +109,22 @@ def run_driver_study(
             for baud in bauds:
                 name = f"{dialect} {baud} baud"
                 seen = _scanned(_with_module(rig, dialect, baud), calibration, open_rig, Path(folder) / name)
-                replay = _replayed(seen, calibration, Path(folder) / f"{name} replayed")
-                distance_mm, paired = points_apart(seen.whole, replay)
-                same_mm = skins_apart(seen.result.cloud, pure.result.cloud)
-                yield replace(_judged(name, seen), same_mm=same_mm, replayed_mm=distance_mm, paired=paired)
+                same_mm = clouds_apart(seen.result.cloud, pure.result.cloud, seen.body)
+                asis_mm, replayed_mm, late_ms = _replayed(seen, calibration)
+                judged = replace(_judged(name, seen), same_mm=same_mm, late_ms=late_ms)
+                yield replace(judged, replayed_mm=replayed_mm, late_replayed_mm=asis_mm)
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """A recorded scan, what it became, and what its camera was asked for when."""
+    """A recorded scan, what it became, and how its head really turned: moments `(n,)` and angles `(n,)`."""
 
     recording: Recording
     frames: FrameCount
     result: ScanResult
-    whole: Cloud
     world: World
-    stamps_s: tuple[float, ...]
+    true_time_s: Floats
+    true_theta_rad: Floats
 
     @property
     def body(self) -> Surface:
@@ -170,7 +174,7 @@ def _scanned_once(rig: Rig, calibration: Calibration, open_rig: OpenRig, folder:
     folder.mkdir(parents=True)
     opened = open_rig(rig)
     assert opened.world is not None
-    stamps_s = _stamps_asked_for(opened)
+    way = _watched(opened, opened.world)
     session = Session(opened.devices, SessionSetup(rig.scanner, rig.motion, calibration, build_tables(calibration)))
     session.start()
     try:
@@ -184,44 +188,61 @@ def _scanned_once(rig: Rig, calibration: Calibration, open_rig: OpenRig, folder:
         opened.give_back()
     recording = open_recording(folder)
     result = process_recording(recording, calibration, ProcessSettings())
-    whole = cloud_from_matrix(result.sweep.matrix, build_tables(calibration))
-    return _Seen(recording, frames, result, whole, opened.world, tuple(stamps_s))
+    true = np.concatenate(way) if way else np.empty((0, 2))
+    return _Seen(recording, frames, result, opened.world, true[:, 0], true[:, 1])
 
 
-def _stamps_asked_for(opened: OpenedRig) -> list[float]:
-    """Filled with the stamp of each picture that the emulated camera makes, in order: its place numbers the noise."""
-    stamps_s: list[float] = []
+def _watched(opened: OpenedRig, world: World) -> list[Floats]:
+    """Filled, with each picture of the emulated camera, with how the head has turned since the one before, `(k, 2)`."""
+    way: list[Floats] = []
     plug = opened.emulated.camera if opened.emulated is not None else None
-    if plug is not None:
-        inner = plug.frame_at
+    if plug is None:
+        return way
+    inner = plug.frame_at
 
-        def noted(stamp_s: float) -> Frame:
-            stamps_s.append(stamp_s)
-            return inner(stamp_s)
+    def watching(stamp_s: float) -> Frame:
+        now_s = time.monotonic()
+        begin_s = max(float(way[-1][-1, 0]) if way else 0.0, now_s - _REMEMBERED_S)
+        time_s = np.arange(begin_s, now_s, _TRUE_STEP_S)[1:]
+        way.append(np.stack([time_s, world.theta_at(time_s)], axis=1))
+        return inner(stamp_s)
 
-        plug.frame_at = noted
-    return stamps_s
+    plug.frame_at = watching
+    return way
 
 
-def _replayed(seen: _Seen, calibration: Calibration, folder: Path) -> Cloud:
-    """The same stamps and counts, with the pictures that belong to them."""
-    recording, world = seen.recording, seen.world
-    time_s = np.array([record.time_s for record in recording.frames])
-    angles = frame_angles(time_s, calibration.latency_s, recording.encoder, calibration.encoder)
-    numbers = np.searchsorted(np.array(seen.stamps_s) - 1e-4, time_s, side="right") - 1
-    painter = Painter(world.machine.calibration, world.standing.surface, world.settings.picture, world.settings.seed)
-    folder.mkdir()
-    with RecordingWriter(folder, _INFO, scanner_toml(recording.scanner)) as writer:
-        for record, theta_rad, number in zip(recording.frames, angles.theta_rad, numbers, strict=True):
-            if not np.isfinite(theta_rad):
-                raise DeviceError(f"the angle of frame {record.frame} is unknown; the computer is too busy, run again.")
-            laser = None if record.laser == "none" else record.laser
-            frame = painter.paint(float(theta_rad), laser, int(number))
-            writer.add_frame(frame, record.time_s, record.laser, record.sweep)
-        writer.add_counts(recording.encoder.time_s, recording.encoder.count.astype(np.int64))
-    settings = ProcessSettings(sweep=SweepSettings(threshold=seen.result.sweep.threshold))
-    result = process_recording(open_recording(folder), calibration, settings)
+def _replayed(seen: _Seen, calibration: Calibration) -> tuple[float, float, float]:
+    """RMS distances (mm) to the cloud of the true counts, as is and with the latency found; how late they are (ms)."""
+    recording, late_ms = seen.recording, _late_ms(seen, calibration)
+    taken_s = recording.encoder.time_s - 0.001 * late_ms
+    known = (taken_s > seen.true_time_s[0]) & (taken_s < seen.true_time_s[-1])
+    theta_rad = np.interp(taken_s[known], seen.true_time_s, seen.true_theta_rad)
+    true_count = count_from_theta(theta_rad, calibration.encoder)
+    home_count = round(float(np.median(recording.encoder.count[known] - true_count)))
+    exact = EncoderTrack(taken_s[known], (true_count + home_count).astype(np.float64))
+    found = replace(calibration, latency_s=calibration.latency_s - 0.001 * late_ms)
+    threshold = seen.result.sweep.threshold
+    replay = _points(replace(recording, encoder=exact), calibration, threshold)
+    asis, put_right = (_points(recording, given, threshold) for given in (calibration, found))
+    return rms_apart(asis, replay), rms_apart(put_right, replay), late_ms
+
+
+def _points(recording: Recording, calibration: Calibration, threshold: int) -> Cloud:
+    """All points of all frames."""
+    result = process_recording(recording, calibration, ProcessSettings(sweep=SweepSettings(threshold=threshold)))
     return cloud_from_matrix(result.sweep.matrix, build_tables(calibration))
+
+
+def _late_ms(seen: _Seen, calibration: Calibration) -> float:
+    """From the angles of the frames: what changes its sign with the direction of the head is time."""
+    stamps_s = np.array([record.time_s for record in seen.recording.frames])
+    told = frame_angles(stamps_s, calibration.latency_s, seen.recording.encoder, calibration.encoder)
+    exposed_s = stamps_s - calibration.latency_s
+    true_rad = np.interp(exposed_s, seen.true_time_s, seen.true_theta_rad)
+    rate = np.interp(exposed_s + _RATE_S, seen.true_time_s, seen.true_theta_rad) - true_rad
+    off_rad = np.mod(told.theta_rad - true_rad + np.pi, 2.0 * np.pi) - np.pi
+    design = np.stack([rate / _RATE_S, np.ones_like(rate)], axis=1)[told.known]
+    return float(-1000.0 * np.linalg.lstsq(design, off_rad[told.known])[0][0])
 
 
 def _judged(name: str, seen: _Seen) -> DriverRun:
