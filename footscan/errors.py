@@ -126,7 +126,16 @@ class EmptyScanError(QualityError):
 
 
 class PoorFitError(QualityError):
-    """A calibration whose residuals are larger than allowed."""
+    """A calibration whose residuals are larger than allowed.
+
+    Attributes:
+        repeat: The placement of the board that is to blame, where repeating it is enough; empty otherwise.
+        more: More placements of the board may be enough.
+    """
+
+    def __init__(self, sentence: str, repeat: str = "", more: bool = False) -> None:
+        super().__init__(sentence)
+        self.repeat, self.more = repeat, more
 
 
 class CancelledError(FootscanError):

@@ -4,13 +4,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from footscan.calibration.design_gates import design_gates
 from footscan.calibration.doubts import BoardShape, board_shape, explain_corners, jump_gate, picture_jumps, shape_gates
 from footscan.calibration.gates import (
     LIMITS,
     Gate,
     Limits,
+    Reason,
     corner_gates,
-    design_gates,
     joint_gates,
 )
 from footscan.calibration.holdout import HoldOut, hold_out_each
@@ -20,11 +21,34 @@ from footscan.calibration.mislabelled import explain_stripes
 from footscan.calibration.sightings import StripePoints
 from footscan.calibration.stripes import find_stripes
 from footscan.config import Board
-from footscan.errors import PoorFitError
 from footscan.optics import Calibration
 from footscan.scanning.recording import Recording
 
 Say = Callable[[str], None]
+
+
+def _quiet(done: int, total: int) -> None:
+    """Nobody looks."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to calibrate.
+
+    Attributes:
+        choices: What to estimate beyond the usual.
+        limits: What the gates allow.
+        progress: Called with frames done and in all.
+        created: When (RFC 3339), for the file.
+    """
+
+    choices: Choices = USUAL
+    limits: Limits = LIMITS
+    progress: Progress = _quiet
+    created: str = ""
+
+
+USUAL_OPTIONS = Options()
 
 
 @dataclass(frozen=True)
@@ -51,78 +75,65 @@ class Calibrated:
 
 
 def calibrate_recording(
-    recording: Recording,
-    board: Board | None = None,
-    choices: Choices = USUAL,
-    limits: Limits = LIMITS,
-    progress: Progress = lambda done, total: None,
-    created: str = "",
+    recording: Recording, board: Board | None = None, options: Options = USUAL_OPTIONS
 ) -> Calibrated:
     """Find the machine that made a recording.
 
     Args:
         recording: A calibration recording.
         board: The board with measured lengths; default: the recording's own.
-        choices: What to estimate beyond the usual.
-        limits: What the gates allow.
-        progress: Called with frames done and in all.
-        created: When (RFC 3339), for the file.
+        options: How.
 
     Raises:
         RecordingError: The recording is incomplete or shows no board; the reason is named (exit status 2).
         PoorFitError: A gate refused the result; the reason and the placement are named (exit status 4).
     """
     begin = time.perf_counter()
-    intake = take_in(recording, board, progress)
+    intake = take_in(recording, board, options.progress)
     seconds = {"corners": round(time.perf_counter() - begin, 2)}
-    result = calibrate_intake(intake, None, choices, limits, progress, created)
+    result = calibrate_intake(intake, None, options)
     return replace(result, seconds=seconds | result.seconds)
 
 
 def calibrate_intake(
     intake: Intake,
     stripes: StripePoints | None = None,
-    choices: Choices = USUAL,
-    limits: Limits = LIMITS,
-    progress: Progress = lambda done, total: None,
-    created: str = "",
+    options: Options = USUAL_OPTIONS,
 ) -> Calibrated:
     """Find the machine that made what a recording shows.
 
     Args:
         intake: Corners and pairs of frames.
         stripes: Stripe places of the lit frames, where they are known already; default: found in the frames.
-        choices: What to estimate beyond the usual.
-        limits: What the gates allow.
-        progress: Called with frames done and in all.
-        created: When (RFC 3339), for the file.
+        options: How.
 
     Raises:
         PoorFitError: A gate refused the result; the reason and the placement are named (exit status 4).
     """
+    choices, limits = options.choices, options.limits
     clock = _Clock()
     corners_fit = fit_corners(intake)
     names = intake.placement_names
     if not all(gate.passed for gate in corner_gates(corners_fit, names, limits)):
-        raise PoorFitError(_refusal(explain_corners(intake, corners_fit, limits)))
+        raise explain_corners(intake, corners_fit, limits).refusal()
     shape = board_shape(intake, corners_fit)
     jumps, _ = picture_jumps(intake, corners_fit)
     early = [*shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :], jump_gate(jumps, names)]
     _pass(early)
     clock.mark("corners alone")
-    raw = find_stripes(intake, progress) if stripes is None else stripes
+    raw = find_stripes(intake, options.progress) if stripes is None else stripes
     clock.mark("stripes")
     joint = fit_jointly(intake, raw, corners_fit, choices)
     clock.mark("joint fit")
     _pass(design_gates(joint.fit.estimate.machine, intake.recording.scanner))
     reason = explain_stripes(joint, limits)
     if reason:
-        raise PoorFitError(_refusal(reason))
+        raise Reason(reason).refusal()
     holdouts = hold_out_each(joint)
     gates = [*early, *joint_gates(joint, holdouts, limits)]
     _pass(gates)
     clock.mark("hold-out and gates")
-    calibration = replace(joint.fit.estimate.machine, created=created)
+    calibration = replace(joint.fit.estimate.machine, created=options.created)
     return Calibrated(calibration, intake, joint, holdouts, shape, gates, clock.seconds)
 
 
@@ -130,11 +141,7 @@ def _pass(gates: list[Gate]) -> None:
     """Refuse with the first gate that fails."""
     for gate in gates:
         if not gate.passed:
-            raise PoorFitError(_refusal(gate.sentence()))
-
-
-def _refusal(reason: str) -> str:
-    return f"no calibration: {reason} The calibration in force stays."
+            raise gate.reason().refusal()
 
 
 class _Clock:

@@ -7,14 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from footscan.calibration.charuco import half_size_mm
+from footscan.calibration.design_gates import camera_gates
 from footscan.calibration.estimate import LENS, POSE, SHAPE, Estimate
 from footscan.calibration.first_guess import guess_estimate
-from footscan.calibration.gates import Gate, Limits, camera_gates, placement_corners
+from footscan.calibration.gates import Gate, Limits, Reason, placement_corners
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import CORNERS_ONLY
 from footscan.calibration.misfit import corner_misfit_px, head_angles
 from footscan.calibration.sightings import NO_STRIPES, Corners, Sightings
-from footscan.calibration.solve import POSES_ONLY, Fit, Unknowns, fit_estimate
+from footscan.calibration.solve import Fit, fit_estimate
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import Floats
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics.scanner import calibration_from_design
@@ -160,6 +162,7 @@ def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
             float(most_scaled[scaled]),
             f"placement {names[scaled]}",
             "The board of this placement has another size than the others; use one and the same board throughout.",
+            repeat=names[scaled],
         ),
         Gate(
             "board_bent_mm",
@@ -167,25 +170,26 @@ def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
             float(most_bent_mm[bent]),
             f"placement {names[bent]}",
             "The board is bent; glue it on a stiff flat plate and repeat the placement.",
+            repeat=names[bent],
         ),
     ]
 
 
 @dataclass(frozen=True)
 class _Suspicion:
-    """One explanation: how much of the misfit it takes away (px RMS left over), and its sentence."""
+    """One explanation: how much of the misfit it leaves over (px RMS)."""
 
     left_px: float
-    sentence: str
+    reason: Reason
 
 
-def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> str:
+def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> Reason:
     """The likeliest reason why corners do not fit: the one whose freedom takes most of the misfit away."""
     bad = [p for p in range(len(intake.placement_names)) if _is_bad(fit, p, limits)]
     most = 2 * len(bad) > len(intake.placement_names)
     reverse = _reversed(intake) if most else None
     if reverse is not None and reverse.left_px < limits.placement_corner_px:
-        return reverse.sentence
+        return reverse.reason
     if most and _far_from_design(intake, fit):
         return _nothing(intake, fit)
     moved = [] if most else [_moved_one(intake, fit, p) for p in bad]
@@ -193,7 +197,7 @@ def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> str:
     now = _misfit_px(fit)
     best = min((s for s in suspicions if s is not None), key=lambda s: s.left_px, default=None)
     if best is not None and best.left_px < max(_HELPS * now, 0.05) and best.left_px < now:
-        return best.sentence
+        return best.reason
     return _nothing(intake, fit)
 
 
@@ -219,11 +223,11 @@ def _reversed(intake: Intake) -> _Suspicion | None:
     sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
     fit = fit_estimate(guess_estimate(intake, machine), sightings, CORNERS_ONLY)
     own = intake.recording.scanner.encoder.direction
-    return _Suspicion(
-        _misfit_px(fit),
+    sentence = (
         f"the encoder counts the other way: scanner.toml says direction {own}, the pictures say {-own}. "
-        "Correct [encoder] direction (or exchange the encoder's phases) and try again.",
+        "Correct [encoder] direction (or exchange the encoder's phases) and try again."
     )
+    return _Suspicion(_misfit_px(fit), Reason(sentence))
 
 
 def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
@@ -241,12 +245,12 @@ def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
             best = (rms, float(np.linalg.norm(parts[0][1][:3, 3] - parts[1][1][:3, 3])), int(stop))
     if best is None or best[1] < _MOVED_MM:
         return None
-    left = float(np.hypot(_misfit_px(others), best[0]))
-    return _Suspicion(
-        left if best[0] < _TOLERANCE_PX else np.inf,
-        f"placement {intake.placement_names[placement]}: the board was moved by {best[1]:.1f} mm before frame "
-        f"{intake.recording.frames[best[2]].frame}. Fix it firmly and repeat this placement.",
+    left, name = float(np.hypot(_misfit_px(others), best[0])), intake.placement_names[placement]
+    sentence = (
+        f"placement {name}: the board was moved by {best[1]:.1f} mm before frame "
+        f"{intake.recording.frames[best[2]].frame}. Fix it firmly and repeat this placement."
     )
+    return _Suspicion(left if best[0] < _TOLERANCE_PX else np.inf, Reason(sentence, repeat=name))
 
 
 def _posed(estimate: Estimate, intake: Intake, corners: Corners) -> tuple[Floats, Floats]:
@@ -262,7 +266,7 @@ def _lens(intake: Intake, fit: Fit) -> _Suspicion | None:
     """The picture sits elsewhere on the sensor from some placement on."""
     jumps, free = picture_jumps(intake, fit)
     gate = jump_gate(jumps, intake.placement_names)
-    return None if gate.passed else _Suspicion(_misfit_px(free), gate.sentence())
+    return None if gate.passed else _Suspicion(_misfit_px(free), gate.reason())
 
 
 def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:
@@ -272,17 +276,17 @@ def _shape(intake: Intake, fit: Fit) -> _Suspicion | None:
     if not failed:
         return None
     worst = max(failed, key=lambda gate: gate.value / gate.limit)
-    return _Suspicion(_misfit_px(free), worst.sentence())
+    return _Suspicion(_misfit_px(free), worst.reason())
 
 
-def _nothing(intake: Intake, fit: Fit) -> str:
+def _nothing(intake: Intake, fit: Fit) -> Reason:
     """No single explanation: another machine, or the worst placement and its worst frames."""
     rms = [placement_corners(fit, p)[0] for p in range(len(intake.placement_names))]
     worst = int(np.argmax(rms))
     far = _far_from_design(intake, fit)
     if far or min(rms) > 1.0:
         off = f" ({far[0].name.replace('_', ' ')}: {far[0].value:.3g}, at most {far[0].limit:g})" if far else ""
-        return (
+        return Reason(
             f"the corners fit no machine of this design{off}: scanner.toml (encoder steps, camera, head) or "
             "the frames belong to another machine. Correct scanner.toml, or record again."
         )
@@ -290,7 +294,9 @@ def _nothing(intake: Intake, fit: Fit) -> str:
     size = {int(f): float(np.median(np.abs(fit.residual_px[own & (fit.rows.frame == f)]))) for f in fit.rows.frame[own]}
     bad = sorted(size, key=lambda f: -size[f])[:3]
     which = ", ".join(f"{intake.recording.frames[f].frame} ({size[f]:.1f} px)" for f in sorted(bad))
-    return (
-        f"placement {intake.placement_names[worst]}: its frames contradict the others ({rms[worst]:.2f} px RMS), "
+    name = intake.placement_names[worst]
+    sentence = (
+        f"placement {name}: its frames contradict the others ({rms[worst]:.2f} px RMS), "
         f"worst in frames {which}. The board moved, or frames were exchanged: repeat this placement."
     )
+    return Reason(sentence, repeat=name)

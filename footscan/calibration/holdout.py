@@ -8,7 +8,8 @@ from footscan.calibration.estimate import Estimate
 from footscan.calibration.joint import JointFit
 from footscan.calibration.misfit import corner_misfit_px, head_angles, stripe_misfit_mm
 from footscan.calibration.sightings import Sightings
-from footscan.calibration.solve import POSES_ONLY, Unknowns, fit_estimate
+from footscan.calibration.solve import fit_estimate
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import LASER_NAMES, Floats
 
 _ROUNDS = 12

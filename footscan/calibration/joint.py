@@ -9,9 +9,10 @@ from footscan.calibration.first_guess import guess_estimate
 from footscan.calibration.intake import Intake
 from footscan.calibration.misfit import head_angles, stripe_points_head
 from footscan.calibration.sightings import NO_STRIPES, Sightings, StripePoints
-from footscan.calibration.solve import EVERYTHING, Fit, Prior, Unknowns, fit_estimate
+from footscan.calibration.solve import Fit, fit_estimate
 from footscan.calibration.stripes import assign_stripes
 from footscan.calibration.uncertainty import standard_deviations, volume_points
+from footscan.calibration.unknowns import EVERYTHING, Prior, Unknowns
 from footscan.coordinates import LASER_NAMES, Floats
 from footscan.errors import PoorFitError
 from footscan.geometry.plane import fit_plane
@@ -94,7 +95,8 @@ def _enough(stripes: StripePoints) -> None:
             if count < _FEWEST_STRIPE_POINTS:
                 raise PoorFitError(
                     f"the {name} laser shows {count} stripe places on {where}, at least {_FEWEST_STRIPE_POINTS} are "
-                    "needed. Check that it is on, focused and not covered, and place boards so that it crosses them."
+                    "needed. Check that it is on, focused and not covered, and place boards so that it crosses them.",
+                    more=where == "boards",
                 )
 
 

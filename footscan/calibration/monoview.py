@@ -12,7 +12,8 @@ from footscan.calibration.estimate import Estimate, start_estimate
 from footscan.calibration.first_guess import camera_from_board_poses
 from footscan.calibration.misfit import corner_misfit_px
 from footscan.calibration.sightings import NO_STRIPES, Corners, FrameTimes, Sightings
-from footscan.calibration.solve import POSES_ONLY, Fit, Unknowns, fit_estimate
+from footscan.calibration.solve import Fit, fit_estimate
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import Floats
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics import Calibration

@@ -10,9 +10,10 @@ from footscan.calibration.intake import Intake
 from footscan.calibration.joint import consensus_sheet, lowered
 from footscan.calibration.misfit import head_angles, stripe_misfit_mm, stripe_points_head
 from footscan.calibration.sightings import FLOOR_PLACEMENT, NO_STRIPES, Sightings, StripePoints
-from footscan.calibration.solve import POSES_ONLY, Fit, Unknowns, fit_estimate
+from footscan.calibration.solve import Fit, fit_estimate
 from footscan.calibration.stripes import assign_stripes
 from footscan.calibration.uncertainty import volume_points
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import LASER_NAMES, Bools, Floats, LaserName
 from footscan.errors import PoorFitError
 from footscan.geometry.plane import fit_plane

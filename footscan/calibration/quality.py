@@ -9,7 +9,7 @@ import numpy as np
 
 from footscan.calibration.calibrate import Calibrated
 from footscan.calibration.gates import placement_corners
-from footscan.calibration.solve import GROUP_NAMES
+from footscan.calibration.residuals import GROUP_NAMES
 from footscan.calibration.uncertainty import error_shares_mm, expected_error_mm, standard_deviations
 from footscan.config import Board
 from footscan.coordinates import LASER_NAMES

@@ -13,9 +13,10 @@ from footscan.calibration.joint import consensus_sheet, lowered
 from footscan.calibration.misfit import head_angles, stripe_misfit_mm, stripe_points_head
 from footscan.calibration.one_placement import floor_places, per_laser, refuse_few_places
 from footscan.calibration.sightings import FLOOR_PLACEMENT, NO_STRIPES, Sightings, StripePoints
-from footscan.calibration.solve import POSES_ONLY, Fit, Unknowns, fit_estimate
+from footscan.calibration.solve import Fit, fit_estimate
 from footscan.calibration.stripes import assign_stripes
 from footscan.calibration.uncertainty import standard_deviations, volume_points, working_pixels
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import LASER_NAMES
 from footscan.errors import PoorFitError
 from footscan.geometry.plane import Plane, fit_plane

@@ -4,7 +4,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from footscan.calibration.estimate import difference_step, moved_machine
-from footscan.calibration.solve import TUKEY, Fit
+from footscan.calibration.residuals import TUKEY
+from footscan.calibration.solve import Fit
 from footscan.coordinates import LASER_NAMES, Bools, Floats, LaserName, pixel_from_uv
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics import Calibration

@@ -11,6 +11,7 @@ from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
 from footscan.calibration.joint import Choices
 from footscan.calibration.quality import quality_lines
 from footscan.calibration.renew import PARTS
+from footscan.cli.body_rig import record_body
 from footscan.cli.calibrate_rig import GuidedChoices, record_guided
 from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.cli.scan import chosen_rig
@@ -19,7 +20,8 @@ from footscan.config import Board, board_toml, load_calibration, load_calibratio
 from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, QualityError
 from footscan.records.data_folder import data_folder
-from footscan.workflow.accept import accept_recording, save_acceptance, summary_lines
+from footscan.workflow.accept import accept_recording, save_acceptance
+from footscan.workflow.acceptance_words import summary_lines
 from footscan.workflow.calibrate import CalibrateSettings, measured_board, run_calibration, tables_path
 from footscan.workflow.calibration_checks import renew_recording
 from footscan.workflow.calibration_log import in_force_path, machine_name
@@ -121,14 +123,21 @@ def board(
 
 
 def accept(
-    recording: Annotated[Path, typer.Argument(help="Folder of a scan recording of a test body.")],
+    recording: Annotated[
+        Path, typer.Argument(help="Folder of a scan of a test body; with --rig the folder to record into.")
+    ],
     calibration: Annotated[Path, typer.Option(help="calibration.toml of the machine.")],
     out: Annotated[Path | None, typer.Option(help="Folder for acceptance.json and the one-page PDF.")] = None,
+    rig: Annotated[Path | None, typer.Option(help="Scan the test body first, at this machine.")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="I have looked: no face is at beam height.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="Simulated machine: do not wait for the wall clock.")] = False,
     artefact: Annotated[Path | None, typer.Option(help="artefact.toml; default: the one in the recording.")] = None,
     json_only: Annotated[bool, typer.Option("--json", help="Print acceptance.json and nothing else.")] = False,
 ) -> None:
     """Acceptance figures on a sphere, ball bar or plane of known size; exit status 4 when a limit is broken."""
     machine = load_calibration(calibration)
+    if rig is not None:
+        recording = record_body(chosen_rig(rig, fast), recording, machine, artefact, yes)
     with progress_bar("frames", quiet=json_only) as progress:
         result = accept_recording(recording, machine, artefact, progress=progress)
     if json_only:

@@ -9,12 +9,15 @@ import numpy as np
 import typer
 
 from footscan.calibration.alignment import Alignment
+from footscan.cli.body_rig import record_body
 from footscan.cli.calibrate_rig import GuidedChoices, record_one_placement
 from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.cli.scan import chosen_rig
 from footscan.config import Board, load_board, load_calibration
+from footscan.config.rig_file import load_rig
 from footscan.errors import InputError, QualityError
 from footscan.optics.calibration import Calibration
+from footscan.optics.scanner import Scanner
 from footscan.records.data_folder import data_folder
 from footscan.scanning.recording import open_recording
 from footscan.workflow.calibration_checks import (
@@ -43,6 +46,7 @@ InForceOption = Annotated[
     Path | None, typer.Option("--calibration", help="calibration.toml; default: the one in force of that machine.")
 ]
 RigOption = Annotated[Path | None, typer.Option(help="Record first, at this machine: you place the board.")]
+BodyRigOption = Annotated[Path | None, typer.Option("--rig", help="Scan the test body first, at this machine.")]
 BoardOption = Annotated[Path | None, typer.Option("--board", help="board.toml; default: the recording's own.")]
 YesOption = Annotated[bool, typer.Option("--yes", help="I have looked: no face is at beam height.")]
 FastOption = Annotated[bool, typer.Option("--fast", help="Simulated machine: do not wait for the wall clock.")]
@@ -62,7 +66,15 @@ def _in_force(given: Path | None, folder: Path, data: Path) -> Calibration:
     """The calibration as given, else the one in force of the machine that made a recording."""
     if given is not None:
         return load_calibration(given)
-    scanner = open_recording(folder).scanner
+    return _of_machine(open_recording(folder).scanner, data)
+
+
+def _of_rig(given: Path | None, rig: Path, data: Path) -> Calibration:
+    """The calibration as given, else the one in force of a rig."""
+    return load_calibration(given) if given is not None else _of_machine(load_rig(rig).scanner, data)
+
+
+def _of_machine(scanner: Scanner, data: Path) -> Calibration:
     path = in_force_path(data, scanner.machine_id or scanner.name)
     if not path.is_file():
         raise InputError(f"there is no calibration in force at {path}; name one with --calibration.")
@@ -71,7 +83,7 @@ def _in_force(given: Path | None, folder: Path, data: Path) -> Calibration:
 
 def _recorded(rig: Path | None, folder: Path, board: Path | None, yes: bool, fast: bool) -> None:
     if rig is not None:
-        record_one_placement(chosen_rig(rig, fast), folder, GuidedChoices(board, 16, 1, yes))
+        record_one_placement(chosen_rig(rig, fast), folder, GuidedChoices(board, 16, 1, yes, passing=False))
 
 
 @calibration_app.command("align")
@@ -139,7 +151,7 @@ def recheck(
     with progress_bar("frames", quiet=json_only) as progress:
         found = recheck_recording(recording, machine, _board(board_file) if rig is None else None, progress=progress)
     if calibration is None or data is not None:
-        log_check(data_folder(data), machine, found)
+        log_check(data_folder(data), machine, found, recording)
     if json_only:
         print_json(asdict(found.recheck) | {"holds": found.holds, "broken": list(found.broken)})
     else:
@@ -151,19 +163,28 @@ def recheck(
 
 @calibration_app.command("daily")
 def daily(
-    recording: Annotated[Path, typer.Argument(help="Folder of a scan of the test body.")],
+    recording: Annotated[
+        Path, typer.Argument(help="Folder of a scan of the test body; with --rig the folder to record into.")
+    ],
     calibration: InForceOption = None,
+    rig: BodyRigOption = None,
+    yes: YesOption = False,
+    fast: FastOption = False,
     artefact: Annotated[Path | None, typer.Option(help="artefact.toml; default: the one in the recording.")] = None,
     data: DataOption = None,
     json_only: JsonOption = False,
 ) -> None:
     """The daily check: a test body, half a minute; exit status 4 when the calibration no longer holds."""
-    machine = _in_force(calibration, recording, data_folder(data))
+    if rig is not None:
+        machine = _of_rig(calibration, rig, data_folder(data))
+        recording = record_body(chosen_rig(rig, fast), recording, machine, artefact, yes)
+    else:
+        machine = _in_force(calibration, recording, data_folder(data))
     reference = first_daily(read_log(data_folder(data), machine_name(machine)), machine)
     with progress_bar("frames", quiet=json_only) as progress:
         found = daily_check(recording, machine, reference, artefact, progress)
     if calibration is None or data is not None:
-        log_check(data_folder(data), machine, found)
+        log_check(data_folder(data), machine, found, recording)
     if json_only:
         print_json(asdict(found) | {"holds": found.holds})
     else:
@@ -248,7 +269,7 @@ def _event_line(event: dict[str, Any]) -> str:
         renewed = f"renewed {event['renewed']}" if "renewed" in event else f"calibrated, expected error {errors} mm"
         return f"{renewed}  ({event['sha256'][:12]})"
     if kind == "service":
-        return str(event.get("what", "intervention"))
+        return f"{event.get('part', 'intervention')}: {event.get('what', '')}"
     if kind in ("recheck", "daily"):
         name = "re-check" if kind == "recheck" else "daily check"
         return f"{name}: {'holds' if event.get('holds') else 'does not hold: ' + '; '.join(event.get('broken', []))}"

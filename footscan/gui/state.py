@@ -83,6 +83,8 @@ class CalibrationChoice:
         folder: Of the recording in the making or last finished.
         placements: What each placement of the board showed.
         expected: What a calibration from the recording so far would promise.
+        advice: Where the board belongs next.
+        good: Placements that count.
         enough: It would be good enough.
         recorded: The recording is finished and can be computed.
         made: Where a new calibration lies that is not in force.
@@ -92,6 +94,8 @@ class CalibrationChoice:
     folder: Path | None = None
     placements: tuple[PlacementReport, ...] = ()
     expected: str = ""
+    advice: str = ""
+    good: int = 0
     enough: bool = False
     recorded: bool = False
     made: Path | None = None

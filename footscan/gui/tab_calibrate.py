@@ -11,7 +11,7 @@ from footscan.gui.state import CalibrationChoice, PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
 from footscan.scanning.session.states import Snapshot
-from footscan.workflow.guided_calibration import FEWEST_PLACEMENTS, PLACEMENTS
+from footscan.workflow.guided_calibration import FEWEST_PLACEMENTS
 
 
 class CalibrateTab:
@@ -98,7 +98,7 @@ class CalibrateTab:
         put(self._shown, content=_box(_placements(choice)))
         put(self._begin, visible=not recording, disabled=busy)
         put(self._record, visible=recording, disabled=busy)
-        put(self._finish, visible=recording, disabled=busy or _good(choice) < FEWEST_PLACEMENTS)
+        put(self._finish, visible=recording, disabled=busy or choice.good < FEWEST_PLACEMENTS)
         put(self._abandon, visible=recording, disabled=busy)
         put(self._lines, content=_box(_result(choice)))
         put(self._accept, visible=choice.made is not None, disabled=busy)
@@ -106,10 +106,6 @@ class CalibrateTab:
         names = tuple(path.name for path in self._work.recordings()) or (texts.CALIBRATE_NONE,)
         put_options(self._recording, names, self._recording.value if self._recording.value in names else names[0])
         put(self._compute, disabled=busy or recording or names == (texts.CALIBRATE_NONE,))
-
-
-def _good(choice: CalibrationChoice) -> int:
-    return sum(bool(report.angles_rad) for report in choice.placements)
 
 
 def _in_force(station: Station) -> str:
@@ -123,8 +119,7 @@ def _advice(choice: CalibrationChoice, recording: bool, station: Station) -> str
         return texts.CALIBRATE_INTRO
     number = len(choice.placements)
     simulated = f"<br><i>{texts.CALIBRATE_SIMULATED}</i>" if station.opened.put_calibration_board is not None else ""
-    placed = html.escape(PLACEMENTS[number % len(PLACEMENTS)])
-    return f"{texts.CALIBRATE_ADVICE.format(number=number + 1, placed=placed)}{simulated}"
+    return f"{texts.CALIBRATE_ADVICE.format(number=number + 1, placed=html.escape(choice.advice))}{simulated}"
 
 
 def _placements(choice: CalibrationChoice) -> str:

@@ -18,7 +18,7 @@ from footscan.gui.station import Station
 from footscan.scanning.recorder import MANIFEST
 from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
 from footscan.workflow.calibration_log import in_force_path, keep_in_force, machine_name
-from footscan.workflow.guided_calibration import ENOUGH_MM, FEWEST_PLACEMENTS, GuidedCalibration, PlacementReport
+from footscan.workflow.guided_calibration import ENOUGH_MM, GuidedCalibration, PlacementReport
 
 STOPS = 16
 _ARM_S = 5.0
@@ -54,36 +54,37 @@ class CalibrationWork:
             self._arm()
             guided.record_empty()
 
-        self._job(texts.JOB_EMPTY, work, lambda _: self._change(CalibrationChoice(folder=folder)))
+        self._job(texts.JOB_EMPTY, work, lambda _: self._change(CalibrationChoice(folder=folder, advice=guided.advice)))
 
     def record_placement(self) -> None:
         """The board stands where the advice says: look at it from all stops; the first one is also passed."""
         guided = self._guided
         if guided is None:
             return
-        number = len(guided.reports)
 
         def work(progress: Progress) -> PlacementReport:
-            self._put_board(number)
+            self._put_board(guided.next_place)
             self._arm()
             report = guided.record_placement()
-            if number == 0 and report.angles_rad:
+            if guided.needs_pass:
                 self._arm()
                 guided.record_pass()
             return report
 
-        self._job(texts.JOB_PLACEMENT.format(number=number + 1), work, self._judge)
+        self._job(texts.JOB_PLACEMENT.format(number=len(guided.reports) + 1), work, self._judge)
 
     def _judge(self, report: PlacementReport) -> None:
         """How good a calibration would be that was made now."""
         guided = self._guided
         assert guided is not None
-        self._change(replace(self._choice, placements=(*self._choice.placements, report)))
+        placements = (*self._choice.placements, report)
+        self._change(replace(self._choice, placements=placements, advice=guided.advice, good=len(guided.good)))
 
         def told(expected: tuple[float | None, str]) -> None:
             error_mm, sentence = expected
-            enough = error_mm is not None and error_mm <= ENOUGH_MM and len(guided.reports) >= FEWEST_PLACEMENTS
-            self._change(replace(self._choice, expected=sentence, enough=enough))
+            enough = error_mm is not None and error_mm <= ENOUGH_MM
+            judged = replace(self._choice, expected=sentence, enough=enough)
+            self._change(replace(judged, advice=guided.advice, good=len(guided.good)))
 
         self._job(texts.JOB_JUDGE, lambda progress: guided.expected_error_mm(), told)
 

@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import os
+from collections.abc import Collection
 from pathlib import Path
 from types import TracebackType
 from typing import TextIO
@@ -20,6 +21,7 @@ from footscan.scanning.recording import (
     FrameLaser,
     FrameSweep,
     csv_line,
+    open_recording,
 )
 
 # run lengths of unfiltered rows: for dark frames with a line, a fifth of the default's time and half its size
@@ -114,6 +116,22 @@ class RecordingWriter:
         if not self._frames.closed:
             with contextlib.suppress(StorageError):
                 self._close_tables()
+
+
+def leave_out_setups(folder: Path, setups: Collection[str]) -> None:
+    """Take all frames of some setups out of the table of a finished recording; their pictures stay in the folder.
+
+    Raises:
+        StorageError: The folder cannot be written.
+    """
+    recording = open_recording(folder)
+    kept = [
+        csv_line((r.frame, r.file, f"{r.time_s:.6f}", r.laser, r.sweep, r.setup))
+        for r in recording.frames
+        if r.setup not in setups
+    ]
+    write_whole(folder / "frames.csv", (csv_line(FRAME_COLUMNS) + "".join(kept)).encode())
+    write_whole(folder / MANIFEST, manifest_of(folder).encode())
 
 
 def _full(folder: Path, err: OSError) -> StorageError:

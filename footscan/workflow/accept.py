@@ -29,6 +29,7 @@ from footscan.scanning.footboard import BOARD_MARGIN_MM, height_above
 from footscan.scanning.recording import Recording, open_recording
 from footscan.scanning.sweep import Progress, SweepSettings, sweep_frames
 from footscan.workflow.acceptance_page import draw_page
+from footscan.workflow.acceptance_words import sheet_lines
 from footscan.workflow.process import build_tables, check_machine
 
 Which = Literal["both", "right", "left"]
@@ -124,10 +125,10 @@ def save_acceptance(acceptance: Acceptance, folder: Path) -> None:
         QualityError: A limit is broken.
     """
     write_whole(folder / "acceptance.json", (json.dumps(acceptance.report, indent=1) + "\n").encode())
-    title = f"Acceptance: {acceptance.of_what}"
-    report = acceptance.report
-    of = f"machine {report['machine_id']}, calibration {report['calibration_sha256'][:12]}, made {report['made_at']}"
-    write_whole(folder / "acceptance.pdf", draw_page(title, acceptance.parts, [*summary_lines(acceptance), of]))
+    title = f"Acceptance of machine {acceptance.report['machine_id'] or 'without an id'}"
+    write_whole(
+        folder / "acceptance.pdf", draw_page(title, acceptance.broken, acceptance.parts, sheet_lines(acceptance))
+    )
     if acceptance.broken:
         raise QualityError(f"not accepted ({acceptance.of_what}): {'; '.join(acceptance.broken)}.")
 
@@ -222,6 +223,11 @@ def _broken(
     form_limit = limits.flatness_d95_mm if artefact.kind == "plane" else limits.form_d95_mm
     broken: list[str] = []
     for part in parts:
+        broken += [
+            f"the {name} laser sees fewer than {_FEWEST} points of {part.name}: is it on, and the body in view?"
+            for name in LASER_NAMES
+            if name not in part.figures
+        ]
         for which, figures in part.figures.items():
             where = f"{part.name}, {which}"
             if figures.d95_mm > form_limit:
@@ -261,22 +267,3 @@ def _report(
 
 def _plain(figures: FormFigures) -> dict[str, float | None]:
     return {key: None if np.isnan(value) else round(value, 4) for key, value in asdict(figures).items()}
-
-
-def summary_lines(acceptance: Acceptance) -> list[str]:
-    """The figures in sentences, for the screen and the page."""
-    lines: list[str] = []
-    for part in acceptance.parts:
-        for which, f in part.figures.items():
-            size = "" if np.isnan(f.size_error_mm) else f"PS {f.size_error_mm:+.3f}  cap {f.coverage_deg:.0f} deg  "
-            form = "F" if np.isnan(f.size_error_mm) else "PF"
-            lines.append(
-                f"{part.name:9} {which:5}  N {f.points:6d}  {size}{form} {f.form_mm:.3f}  D95 {f.d95_mm:.3f}  "
-                f"sigma {f.sigma_mm:.3f} mm"
-            )
-    for which, error in acceptance.spacing_error_mm.items():
-        lines.append(f"spacing   {which:5}  SD {error:+.3f} mm of {acceptance.artefact.spacing_mm:g} mm")
-    if acceptance.lasers_apart_mm is not None:
-        lines.append(f"right and left laser see it {acceptance.lasers_apart_mm:.3f} mm apart")
-    verdict = "accepted" if not acceptance.broken else "NOT accepted: " + "; ".join(acceptance.broken)
-    return [*lines, f"{acceptance.of_what}: {verdict} (internal limits, no standard's)"]

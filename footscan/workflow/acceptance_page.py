@@ -15,24 +15,29 @@ _MOST_DOTS = 6000
 _A4_INCH = (8.27, 11.69)
 
 
-def draw_page(title: str, parts: "list[BodyPart]", lines: list[str]) -> bytes:
-    """The page as PDF: residuals as colours from above and from the side, their distribution, and the figures."""
-    figure = Figure(figsize=_A4_INCH, layout="constrained")
+def draw_page(title: str, broken: list[str], parts: "list[BodyPart]", lines: list[str]) -> bytes:
+    """The page as PDF: the verdict, residuals as colours from above and from the side, their spread, the figures."""
+    figure = Figure(figsize=_A4_INCH)
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 0.8, 0.9))
     residual = np.concatenate([part.residual_mm for part in parts])
     xyz = np.concatenate([part.xyz_world for part in parts])
     laser = np.concatenate([part.laser for part in parts])
     bound = float(np.percentile(np.abs(residual), 99.0))
-    _draw_dots(figure.add_subplot(grid[0, 0]), xyz, residual, ("x", "y"), bound)
-    dots = _draw_dots(figure.add_subplot(grid[0, 1]), xyz, residual, ("x", "z"), bound)
-    figure.colorbar(dots, ax=figure.axes, shrink=0.7, label="residual, mm (+ is outside or above)")
-    _draw_spread(figure.add_subplot(grid[1, :]), residual, laser, bound)
-    text = figure.add_subplot(grid[2, :])
-    text.axis("off")
-    wrapped = "\n".join(part for line in lines for part in textwrap.wrap(line, 100, subsequent_indent="    "))
-    text.text(0.0, 1.0, wrapped, family="monospace", fontsize=7.5, va="top", transform=text.transAxes)
-    figure.suptitle(title, fontsize=13)
+    figure.text(0.09, 0.955, title, fontsize=14)
+    figure.text(
+        *(0.09, 0.925, "NOT ACCEPTED" if broken else "ACCEPTED"),
+        fontsize=18,
+        weight="bold",
+        color="tab:red" if broken else "tab:green",
+    )
+    above = figure.add_axes((0.1, 0.68, 0.34, 0.22))
+    _draw_dots(above, xyz, residual, ("x", "y"), bound)
+    dots = _draw_dots(figure.add_axes((0.52, 0.68, 0.34, 0.22)), xyz, residual, ("x", "z"), bound)
+    bar = figure.add_axes((0.89, 0.69, 0.015, 0.2))
+    figure.colorbar(dots, cax=bar).set_label("residual, mm (+ is outside or above)", fontsize=7)
+    _draw_spread(figure.add_axes((0.1, 0.45, 0.8, 0.17)), residual, laser, bound)
+    wrapped = "\n".join(part for line in lines for part in textwrap.wrap(line, 96, subsequent_indent="    ") or [""])
+    figure.text(0.09, 0.39, wrapped, family="monospace", fontsize=8, va="top")
     stream = io.BytesIO()
     figure.savefig(stream, format="pdf")
     return stream.getvalue()

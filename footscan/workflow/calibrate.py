@@ -5,8 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from footscan.calibration.calibrate import Calibrated, calibrate_recording
-from footscan.calibration.gates import LIMITS
+from footscan.calibration.calibrate import Calibrated, Options, calibrate_recording
 from footscan.calibration.intake import Progress
 from footscan.calibration.joint import USUAL, Choices
 from footscan.calibration.quality import quality_table, recording_sha256
@@ -16,7 +15,7 @@ from footscan.errors import InputError, MachineMismatchError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.table_store import tables_bytes
 from footscan.scanning.recording import Recording, open_recording
-from footscan.workflow.calibration_log import keep_in_force
+from footscan.workflow.calibration_log import keep_in_force, refuse_outdated
 from footscan.workflow.process import build_tables
 
 
@@ -43,19 +42,27 @@ def run_calibration(
     Raises:
         RecordingError: The recording is incomplete or shows no board.
         MachineMismatchError: `out` holds the calibration of another machine.
+        InputError: It is to come into force, and was recorded before an intervention.
         PoorFitError: A gate refused the result; the calibration in force stays.
         StorageError: A file could not be written.
     """
     recording = open_recording(folder)
+    if settings.data is not None:
+        refuse_outdated(settings.data, _name(recording), recording.info.created)
     history = _parent(recording, out)
     board = _measured(recording, settings.measured_mm)
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    result = calibrate_recording(recording, board, settings.choices, LIMITS, progress, now)
-    quality = quality_table(result, recording_sha256(folder)) | {"made_at": now}
+    result = calibrate_recording(recording, board, Options(settings.choices, progress=progress, created=now))
+    quality = quality_table(result, recording_sha256(folder))
+    quality |= {"recorded_at": recording.info.created, "made_at": now}
     _save(result.calibration, out, quality, history)
     if settings.data is not None:
         keep_in_force(settings.data, result.calibration, quality, history)
     return replace(result)
+
+
+def _name(recording: Recording) -> str:
+    return recording.scanner.machine_id or recording.scanner.name
 
 
 def _save(calibration: Calibration, out: Path, quality: dict[str, Any], history: dict[str, Any]) -> None:

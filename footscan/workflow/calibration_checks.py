@@ -32,7 +32,7 @@ from footscan.optics.table_store import tables_bytes
 from footscan.scanning.recording import open_recording
 from footscan.workflow.accept import Acceptance, accept_recording
 from footscan.workflow.calibrate import tables_path
-from footscan.workflow.calibration_log import keep_in_force, log_event, machine_name
+from footscan.workflow.calibration_log import keep_in_force, log_event, machine_name, refuse_outdated
 from footscan.workflow.process import build_tables, check_machine
 
 
@@ -160,16 +160,23 @@ def renew_recording(
         ConfigError: The parent is no calibration.
         RecordingError: No board was found; why is said.
         MachineMismatchError: The recording is of another machine.
+        InputError: It is to come into force, and was recorded before an intervention.
         PoorFitError: More than this part has changed; the calibration in force stays.
         StorageError: A file could not be written.
     """
     parent = load_calibration_record(parent_file)
-    check_machine(open_recording(folder), parent.calibration)
+    recording = open_recording(folder)
+    check_machine(recording, parent.calibration)
+    if data is not None:
+        refuse_outdated(data, machine_name(parent.calibration), recording.info.created)
     intake, raw = _seen(folder, board, progress)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     renewed = renew(intake, raw, parent.calibration, part)
     calibration = replace(renewed.calibration, created=now)
-    quality = parent.quality | {"renewed": _renewed_table(renewed, folder, now)}
+    quality = parent.quality | {
+        "recorded_at": recording.info.created,
+        "renewed": _renewed_table(renewed, folder, now),
+    }
     history = {
         "renewed": part,
         "parents": [fingerprint(parent.calibration), *parent.history.get("parents", [])],
@@ -254,13 +261,14 @@ def first_daily(events: list[dict[str, Any]], calibration: Calibration) -> dict[
     )
 
 
-def log_check(data: Path, calibration: Calibration, found: Rechecked | DailyCheck) -> None:
-    """Note a check and its outcome in the machine's log.
+def log_check(data: Path, calibration: Calibration, found: Rechecked | DailyCheck, folder: Path) -> None:
+    """Note a check of the recording in a folder and its outcome in the machine's log.
 
     Raises:
         StorageError: The log could not be written.
     """
     content: dict[str, Any] = {"sha256": fingerprint(calibration), "holds": found.holds, "broken": list(found.broken)}
+    content["recorded_at"] = open_recording(folder).info.created
     if isinstance(found, DailyCheck):
         log_event(data, machine_name(calibration), "daily", content | {"figures": found.figures})
     else:

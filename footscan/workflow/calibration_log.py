@@ -106,18 +106,47 @@ def keep_in_force(data: Path, calibration: Calibration, quality: dict[str, Any],
     """Put a calibration in force: kept under its fingerprint, then copied, then logged.
 
     Raises:
+        InputError: It was recorded before an intervention.
         StorageError: A file could not be written.
     """
     machine, digest = machine_name(calibration), fingerprint(calibration)
+    recorded_at = str(quality.get("recorded_at", ""))
+    refuse_outdated(data, machine, recorded_at)
     content = calibration_toml(calibration, quality, history)
     write_whole(data / _FOLDER / _file_name(machine) / f"{digest[:16]}.toml", content)
     path = in_force_path(data, machine)
     write_whole(path.with_suffix(".tables.npz"), tables_bytes(build_tables(calibration)))
     write_whole(path, content)
     expected = quality.get("expected_error_mm", {})
-    event: dict[str, Any] = {"sha256": digest, "expected_error_mm": expected}
+    event: dict[str, Any] = {"sha256": digest, "expected_error_mm": expected, "recorded_at": recorded_at}
     renewed = {"renewed": history["renewed"]} if "renewed" in history else {}
     log_event(data, machine, "calibration", event | renewed)
+
+
+def refuse_outdated(data: Path, machine: str, recorded_at: str) -> None:
+    """Refuse to rely on what was recorded before an intervention that makes the calibration invalid.
+
+    Raises:
+        InputError: Such an intervention was noted after `recorded_at` (RFC 3339; empty: unknown, which is not refused).
+    """
+    for event in read_log(data, machine):
+        part = str(event.get("part", ""))
+        blocking = part not in TOUCHES or TOUCHES[part].blocking
+        if event["kind"] == "service" and blocking and _before(recorded_at, event):
+            raise InputError(
+                f"the recording was made at {recorded_at}, before the intervention noted at {event['at']} "
+                f"({event.get('what', part)}): it does not show the machine as it is now. Record again."
+            )
+
+
+def _before(recorded_at: str, event: dict[str, Any]) -> bool:
+    """Whether something recorded at a moment cannot show what an event did; unknown moments can."""
+    return bool(recorded_at) and _moment(recorded_at) < _moment(str(event["at"]))
+
+
+def _moment(text: str) -> datetime:
+    moment = datetime.fromisoformat(text)
+    return moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
 
 
 def log_event(data: Path, machine: str, kind: str, content: dict[str, Any]) -> None:
@@ -233,8 +262,11 @@ def _since(calibration: Calibration, events: list[dict[str, Any]]) -> list[dict[
     """What still counts: events after the calibration came into force, and before it what a renewal left open."""
     own = fingerprint(calibration)
     at = max((k for k, e in enumerate(events) if e["kind"] == "calibration" and e.get("sha256") == own), default=-1)
-    if at < 0 or "renewed" not in events[at]:
-        return events[at + 1 :]
+    if at < 0:
+        return events
+    if "renewed" not in events[at]:
+        unseen = [e for e in events[:at] if e["kind"] == "service" and _before(events[at].get("recorded_at", ""), e)]
+        return [*unseen, *events[at + 1 :]]
     whole = max((k for k in range(at) if events[k]["kind"] == "calibration" and "renewed" not in events[k]), default=-1)
     done = [events[k]["renewed"] for k in range(whole + 1, at + 1) if "renewed" in events[k]]
     left = [e for e in events[whole + 1 : at] if e["kind"] == "service" and e.get("part") not in done]
@@ -244,17 +276,21 @@ def _since(calibration: Calibration, events: list[dict[str, Any]]) -> list[dict[
 def _interventions(events: list[dict[str, Any]]) -> list[Doubt]:
     """Interventions that no later check has cleared."""
     open_: list[Doubt] = []
-    checkable: list[Doubt] = []
+    checkable: list[tuple[dict[str, Any], Doubt]] = []
     for event in events:
         if event["kind"] == "service":
             touched = TOUCHES.get(event.get("part", ""))
             what = event.get("what") or (touched.what if touched else "intervention")
             remedy = touched.remedy if touched else "recalibrate what it touched"
             doubt = Doubt(f"{event['at'][:10]}: {what}; {remedy}", touched is not None and touched.blocking)
-            (open_ if touched is None or touched.blocking else checkable).append(doubt)
+            if doubt.blocking or touched is None:
+                open_.append(doubt)
+            else:
+                checkable.append((event, doubt))
         elif event["kind"] in ("recheck", "daily") and event.get("holds"):
-            checkable = []
-    return [*open_, *checkable]
+            seen_at = str(event.get("recorded_at", ""))
+            checkable = [(service, doubt) for service, doubt in checkable if _before(seen_at, service)]
+    return [*open_, *(doubt for _, doubt in checkable)]
 
 
 def _failed_checks(events: list[dict[str, Any]]) -> list[Doubt]:

@@ -13,9 +13,10 @@ from matplotlib.figure import Figure
 
 from footscan.calibration.estimate import start_estimate
 from footscan.calibration.monoview import fit_monoview, plane_places_mm
-from footscan.calibration.solve import EVERYTHING, fit_estimate
+from footscan.calibration.solve import fit_estimate
 from footscan.calibration.synthetic import SyntheticPlan, make_sightings
 from footscan.calibration.uncertainty import machine_difference_mm, working_pixels
+from footscan.calibration.unknowns import EVERYTHING
 from footscan.config import Board
 from footscan.coordinates import Floats
 from footscan.optics import Calibration

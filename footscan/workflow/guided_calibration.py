@@ -4,22 +4,24 @@ Every face drives it the same way, from a thread of its own (the calls below wai
 
 ```
 guided = GuidedCalibration(session, folder, board, tell=show)   # show(snapshot): state, message, progress 0..1
-session.post_arm(...)  before each of the three calls that move the head
+session.post_arm(...)  before each of the calls that move the head
 guided.begin(notes)                  homes the head, opens the recording
 guided.record_empty()                the bare footboard
+guided.advice                        where the board belongs next
 report = guided.record_placement()   what was found, or report.why not; as often as needed
-guided.record_pass()                 past the last board, once
+guided.record_pass()                 past the last board, when guided.needs_pass
 error_mm, sentence = guided.expected_error_mm()   None while something is missing, which the sentence names
 guided.finish()                      then run_calibration(folder, ...), align_recording or recheck_recording
 guided.cancel()                      from any other thread: lasers and motor off, the waiting call raises DeviceError
 ```
 
-What was recorded is kept whatever ends it. `PLACEMENTS` has the words for each placement, `ENOUGH_MM` when to stop.
+What was recorded is kept whatever ends it. A placement in which no board was found, or that a refusal asks to repeat,
+is left out, and its place is advised again. `ENOUGH_MM` is when to stop.
 """
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -27,14 +29,15 @@ import numpy as np
 
 from footscan.calibration.calibrate import calibrate_recording
 from footscan.calibration.charuco import BoardFinder, why_not_found
-from footscan.calibration.gates import LIMITS
-from footscan.calibration.joint import USUAL
+from footscan.calibration.intake import FEWEST_VIEWS
 from footscan.calibration.uncertainty import expected_error_mm
 from footscan.config import Board, RecordingInfo, board_toml
 from footscan.config.toml_file import write_whole
-from footscan.errors import InputError, QualityError
+from footscan.coordinates import Frame
+from footscan.errors import InputError, PoorFitError
 from footscan.optics.calibration import theta_from_encoder
 from footscan.scanning.frames import read_frame
+from footscan.scanning.recorder import leave_out_setups
 from footscan.scanning.recording import FrameRecord, Recording, open_recording
 from footscan.scanning.session.control import Session, Ticket
 from footscan.scanning.session.programs import home
@@ -73,7 +76,8 @@ class PlacementReport:
         stops: Head angles looked from.
         angles_rad: Those from which the board was found.
         corners: Found in all of them.
-        why: Why it was found from nowhere; empty otherwise.
+        why: Why it is no good; empty otherwise.
+        place: Which of the advised places it was.
     """
 
     setup: str
@@ -81,11 +85,12 @@ class PlacementReport:
     angles_rad: tuple[float, ...]
     corners: int
     why: str = ""
+    place: int = 0
 
     def sentence(self) -> str:
         """For the technician."""
         if self.why:
-            return f"placement {self.setup}: the board was not found: {self.why}"
+            return f"placement {self.setup} does not count: {self.why}. Place the board there again"
         return (
             f"placement {self.setup}: found from {len(self.angles_rad)} of {self.stops} head angles, "
             f"{self.corners} corners"
@@ -103,6 +108,8 @@ class GuidedCalibration:
         stops: Head angles per placement.
         tell: Told the machine's state while it works.
         reports: So far.
+        left_out: Placements that were no good; their pictures stay in the folder.
+        passed: The placement that was passed on the move.
     """
 
     session: Session
@@ -111,6 +118,29 @@ class GuidedCalibration:
     stops: int = 16
     tell: Callable[[Snapshot], None] = lambda snapshot: None
     reports: list[PlacementReport] = field(default_factory=list)
+    left_out: set[str] = field(default_factory=set)
+    passed: str | None = None
+
+    @property
+    def good(self) -> list[PlacementReport]:
+        """Placements that count."""
+        return [report for report in self.reports if report.setup not in self.left_out]
+
+    @property
+    def next_place(self) -> int:
+        """Number of the first place in which no good placement stood yet."""
+        taken = {report.place for report in self.good}
+        return next(place for place in range(len(taken) + 1) if place not in taken)
+
+    @property
+    def advice(self) -> str:
+        """Where the board belongs next."""
+        return PLACEMENTS[self.next_place % len(PLACEMENTS)]
+
+    @property
+    def needs_pass(self) -> bool:
+        """The last placement is good, and none that counts was passed on the move yet."""
+        return self.passed is None and bool(self.good) and self.reports[-1] is self.good[-1]
 
     def begin(self, notes: str) -> None:
         """Open the recording and home the head.
@@ -140,42 +170,64 @@ class GuidedCalibration:
         Raises:
             DeviceError: A device is in trouble, or the machine is not armed.
         """
-        setup = str(len(self.reports))
+        setup = str(len(self.reports) + 1)
         self._stops(setup)
         report = self._look(setup)
         self.reports.append(report)
+        if report.why:
+            self.left_out.add(setup)
         return report
 
     def record_pass(self) -> None:
         """Past the board of the last placement and back.
 
         Raises:
-            InputError: The board of the last placement was found from nowhere.
+            InputError: The last placement is no good.
             DeviceError: A device is in trouble, or the machine is not armed.
         """
         last = self.reports[-1]
-        if not last.angles_rad:
+        if last.setup in self.left_out:
             raise InputError(f"placement {last.setup} shows no board to pass; place it again.")
         low, high = np.deg2rad(self.session.setup.motion.sweep_deg)
         middle = float(np.clip(_mean_angle(last.angles_rad), low + _PASS_RAD, high - _PASS_RAD))
         order = PassOrder(last.setup, middle - _PASS_RAD, middle + _PASS_RAD)
         self._follow(self.session.post(lambda machine: record_pass(machine, order)))
+        self.passed = last.setup
 
     def expected_error_mm(self) -> tuple[float | None, str]:
-        """What a calibration from the recording so far would promise, or None and what is missing."""
-        good = [report for report in self.reports if report.angles_rad]
-        if len(good) < FEWEST_PLACEMENTS:
-            return None, f"{len(good)} good placements so far, at least {FEWEST_PLACEMENTS} are needed"
+        """What a calibration from the recording so far would promise, or None and what is missing.
+
+        Raises:
+            PoorFitError: Neither repeating a placement nor more of them would help: the machine or the board is at
+                fault.
+        """
+        good = len(self.good)
+        if good < FEWEST_PLACEMENTS:
+            return None, f"{_counted(good)} so far, at least {FEWEST_PLACEMENTS} are needed"
         self._written()
+        recording = open_recording(self.folder)
+        kept = tuple(record for record in recording.frames if record.setup not in self.left_out)
         try:
-            result = calibrate_recording(open_recording(self.folder), self.board, USUAL, LIMITS)
-        except (InputError, QualityError) as err:
+            result = calibrate_recording(replace(recording, frames=kept), self.board)
+        except PoorFitError as err:
+            if err.repeat:
+                return None, self._leave_out(err)
+            if not err.more:
+                raise
+            return None, f"not yet: {err}"
+        except InputError as err:
             return None, f"not yet: {err}"
         error_mm = max(float(np.sqrt(np.mean(e**2))) for e in expected_error_mm(result.joint.fit).values())
         return error_mm, f"expected error {error_mm:.3f} mm in the working volume, {ENOUGH_MM:g} mm is enough"
 
+    def _leave_out(self, refusal: PoorFitError) -> str:
+        self.left_out.add(refusal.repeat)
+        if self.passed == refusal.repeat:
+            self.passed = None
+        return f"placement {refusal.repeat} is left out: {refusal} {_counted(len(self.good))} left"
+
     def finish(self) -> None:
-        """Close the recording.
+        """Close the recording, without the placements that were no good.
 
         Raises:
             StorageError: Its last frames could not be written.
@@ -186,6 +238,8 @@ class GuidedCalibration:
             if failure is not None:
                 raise failure
             time.sleep(_LOOK_S)
+        if self.left_out:
+            leave_out_setups(self.folder, self.left_out)
 
     def cancel(self) -> None:
         """Stop what is going on, from any thread: lasers and motor go off, the call that waits raises `DeviceError`."""
@@ -205,8 +259,17 @@ class GuidedCalibration:
             (record, corners) for record, frame in zip(records, frames, strict=True) if (corners := finder.find(frame))
         ]
         angles = tuple(self._angle(recording, record) for record, _ in found)
-        why = "" if found else why_not_found(self.board, frames)
-        return PlacementReport(setup, len(records), angles, sum(len(corners.number) for _, corners in found), why)
+        why = self._why(frames, len(found))
+        corners = sum(len(corners.number) for _, corners in found)
+        return PlacementReport(setup, len(records), angles, corners, why, self.next_place)
+
+    def _why(self, frames: list[Frame], found: int) -> str:
+        """Why a placement is no good; empty if it is."""
+        if not found:
+            return f"the board was not found: {why_not_found(self.board, frames)}"
+        if found < FEWEST_VIEWS:
+            return f"the board was found from {found} head angle only, at least {FEWEST_VIEWS} are needed"
+        return ""
 
     def _angle(self, recording: Recording, record: FrameRecord) -> float:
         count = np.interp(record.time_s, recording.encoder.time_s, recording.encoder.count)
@@ -226,6 +289,10 @@ class GuidedCalibration:
             time.sleep(_LOOK_S)
         ticket.wait()
         self.tell(self.session.snapshot())
+
+
+def _counted(placements: int) -> str:
+    return f"{placements} good placement{'' if placements == 1 else 's'}"
 
 
 def _mean_angle(angles_rad: tuple[float, ...]) -> float:

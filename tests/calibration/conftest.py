@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from footscan.calibration.board_sheet import DEFAULT_BOARD
-from footscan.calibration.calibrate import Calibrated, calibrate_intake
+from footscan.calibration.calibrate import Calibrated, Options, calibrate_intake
 from footscan.calibration.estimate import sheet_from_angles
 from footscan.calibration.intake import Intake, take_in
 from footscan.calibration.joint import USUAL, Choices
@@ -73,6 +73,6 @@ def calibrate_seen(shared: Shared) -> Calibrate:
     """Calibrate from what the frames showed, changed at will, without looking at the frames again."""
 
     def run(intake: Intake | None = None, stripes: StripePoints | None = None, choices: Choices = USUAL) -> Calibrated:
-        return calibrate_intake(intake or shared.intake, stripes or shared.stripes, choices)
+        return calibrate_intake(intake or shared.intake, stripes or shared.stripes, Options(choices))
 
     return run

@@ -142,3 +142,27 @@ def test_a_failed_check_blocks_until_one_passes(tmp_path: Path, made: Calibratio
 def test_an_intervention_at_an_unknown_part_is_refused(tmp_path: Path):
     with pytest.raises(InputError, match="right-laser"):
         log_service(tmp_path, "m-1", "cable", "")
+
+
+def test_what_was_recorded_before_an_intervention_does_not_come_into_force(tmp_path: Path, made: Calibration):
+    recorded_at = datetime.now(UTC).isoformat(timespec="seconds")
+    keep_in_force(tmp_path, made, {"recorded_at": recorded_at}, {})
+    log_path(tmp_path, "m-1").write_text(
+        log_path(tmp_path, "m-1").read_text()
+        + '{"at": "2099-01-01T00:00:00+00:00", "kind": "service", "part": "left-laser", "what": "new diode"}\n'
+    )
+
+    with pytest.raises(InputError, match=r"before the intervention noted at 2099-01-01.*new diode"):
+        keep_in_force(tmp_path, replace(made, latency_s=0.01), {"recorded_at": recorded_at}, {"renewed": "left-laser"})
+    assert load_calibration(in_force_path(tmp_path, "m-1")) == made
+
+
+def test_a_check_recorded_before_the_machine_was_moved_says_nothing_about_it(tmp_path: Path, made: Calibration):
+    keep_in_force(tmp_path, made, {}, {})
+    log_service(tmp_path, "m-1", "moved", "")
+    log_event(tmp_path, "m-1", "recheck", {"holds": True, "recorded_at": "2020-01-01T00:00:00+00:00"})
+    before = doubts(made, read_log(tmp_path, "m-1"), _NOW)
+    log_event(tmp_path, "m-1", "recheck", {"holds": True, "recorded_at": "2099-01-01T00:00:00Z"})
+
+    assert [doubt.sentence.split("; ")[0][12:] for doubt in before] == ["machine moved"]
+    assert doubts(made, read_log(tmp_path, "m-1"), _NOW) == []
