@@ -24,7 +24,9 @@ _SHORTEST_RUN = 0.5  # of the slope's length
 _LARGEST_LEAN_RAD = np.radians(60.0)
 _STEEPEST = 0.7  # least way inwards to the board over the height; seen skin has at least this lean at its lower end
 _FARTHEST = 0.8  # of the way to the axis
-_AS_FAR_AGAIN = 2.0
+_BEYOND_TANGENT = 1.4  # of the way that the tangent of the lowest seen skin takes to the board
+_TRUST_IN_LEAN = 0.8  # against a lean that would halve the way to the board
+_LEANS = (0.35, 0.85)  # of the way to the board, between which the tangent may meet it
 
 
 @dataclass(frozen=True)
@@ -108,12 +110,13 @@ def _to_bare_board(height: Floats, edge: EdgeShape, room_mm: Floats, contact_mm:
     """The same for skin that reaches the board where the bare board ends, or, under an arch, further in.
 
     An arch keeps light and camera from the board in front of it: where the seen skin's own lean leads further in than
-    the bare board, the skin is taken to run as far again along the board as its tangent does.
+    the bare board, the skin reaches the board somewhat beyond where its tangent does.
     """
     shift = np.minimum(height * np.tan(edge.lean_rad), 0.6 * room_mm)
-    least = np.maximum(contact_mm, _AS_FAR_AGAIN * shift)
+    least = np.maximum(contact_mm, _BEYOND_TANGENT * shift)
     contact = np.clip(least, _STEEPEST * height, _FARTHEST * room_mm)
-    shift = 0.5 * (0.5 * contact + np.clip(shift, 0.35 * contact, 0.75 * contact))
+    leant = np.clip(shift, _LEANS[0] * contact, _LEANS[1] * contact)
+    shift = (1.0 - _TRUST_IN_LEAN) * 0.5 * contact + _TRUST_IN_LEAN * leant
     return shift, contact - shift
 
 

@@ -1,8 +1,8 @@
 """Which skin was seen: decided from the measured points alone, by closing gaps as wide as the stripes lie apart.
 
-A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by the same
-radius along the skin. Gaps between neighbouring stripes close, the border of the seen region stays where the last
-points are.
+A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by most of that
+radius along the skin. Gaps between neighbouring stripes close, and the border of the seen region comes to lie half a
+millimetre or so beyond the last points: a stripe stands for the skin beside it.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,9 @@ from footscan.coordinates import Bools, Floats, Ints
 
 _PROBES = 4000
 _PROBE_RADIUS = 6.0
-_REACH = 0.8  # of the stripe spacing: two stripes whose gap is closed may lie 1.6 spacings apart
-_RADIUS_MM = (1.2, 3.2)
+_REACH = 0.9  # of the stripe spacing: two stripes whose gap is closed may lie 1.8 spacings apart
+_RADIUS_MM = (1.2, 4.0)
+_BESIDE, _BESIDE_MM = 0.3, 0.45  # of the radius, and at most: how far beyond the last points skin counts as seen
 
 
 class Origin(IntEnum):
@@ -67,13 +68,14 @@ def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats, facet_mm: floa
         xyz_mm: `(n, 3)` places.
         tree: Of the measured points.
         radius_mm: `(n,)` closing radius.
-        facet_mm: Distance between places; the border lies a quarter of it before the first place not covered.
+        facet_mm: Distance between places; a quarter of it is added to what the region is shrunk by.
     """
     near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
     if near.all() or not near.any():
         return near
     gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
-    near[near] = gap > radius_mm[near] + 0.25 * facet_mm
+    beside = np.minimum(_BESIDE * radius_mm[near], _BESIDE_MM)
+    near[near] = gap > radius_mm[near] - beside + 0.25 * facet_mm
     return near
 
 

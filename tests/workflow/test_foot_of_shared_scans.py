@@ -22,20 +22,20 @@ from footscan.workflow.process import ProcessSettings, ScanResult, process_recor
 from footscan.workflow.truth import distance_to_surface_mm
 
 NAMES = ("foot-left-ideal", "foot-right-workshop")
-# Values beyond the target of 0.2 mm on one of these two feet; docs/decisions/0020 says why.
+# Values beyond the target of 0.2 mm on one of these two feet; docs/decisions/0021 says why.
 KNOWN_MM = {
-    "foot_length": 0.34,
-    "overall_length": 0.34,
+    "foot_length": 0.33,
+    "foot_length_a1": 0.23,
+    "overall_length": 0.33,
     "overall_breadth": 0.24,
-    "midfoot_breadth": 0.22,
-    "malleolus_medialis_height": 0.50,
-    "malleolus_lateralis_height": 0.22,
-    "ball_length": 0.30,
+    "malleolus_medialis_height": 0.48,
+    "malleolus_lateralis_height": 0.21,
+    "ball_length": 0.27,
 }
 # A whole girth rests on the assumed edge of the sole as well.
-GIRTH_MM = 1.1
+GIRTH_MM = 0.9
 # Tape over seen skin; the true leg of these feet is a prism with edges above 98 mm, which a scan rounds off.
-SEEN_TAPE_MM = {"ankle_girth": 0.75}
+SEEN_TAPE_MM = {"ankle_girth": 0.8}
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def test_the_surface_is_closed_and_the_seen_skin_exact(compared):
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.volume > 0
-    assert np.sqrt(np.mean(off_mm[on_seen] ** 2)) <= 0.085
+    assert np.sqrt(np.mean(off_mm[on_seen] ** 2)) <= 0.065
 
 
 def test_unseen_skin_is_never_called_seen(compared):
@@ -86,8 +86,8 @@ def test_unseen_skin_is_never_called_seen(compared):
     origin = np.asarray(compared.foot.mesh.vertex_attributes["origin"])
     called_seen = origin[PointTree(vertices).nearest(samples, 1)[1][:, 0]] == Origin.SEEN
 
-    assert called_seen[clear & ~seen].mean() <= 0.05
-    assert (~called_seen[clear & seen]).mean() <= 0.05
+    assert called_seen[clear & ~seen].mean() <= 0.025
+    assert (~called_seen[clear & seen]).mean() <= 0.04
 
 
 def test_the_bare_board_brings_the_assumed_skin_nearer_to_the_true_skin(compared):
@@ -134,7 +134,7 @@ def test_girths_are_exact_on_the_skin_that_was_seen(compared):
     for name, tape in tapes.items():
         seen = compare_seen_tape(scanned, true, tape)
         assert seen.true_mm > 0.4 * seen.whole_mm, name
-        assert seen.scanned_mm == pytest.approx(seen.true_mm, abs=SEEN_TAPE_MM.get(name, 0.5)), name
+        assert seen.scanned_mm == pytest.approx(seen.true_mm, abs=SEEN_TAPE_MM.get(name, 0.4)), name
 
 
 def test_the_skin_crosses_itself_nowhere_at_the_toes(compared):
