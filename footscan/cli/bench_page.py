@@ -25,7 +25,8 @@ def bench_page_command(
         starts = list(page_bench.time_start(browser, repeats))
         for words, times in (
             ("command to its address", [start.address_s for start in starts]),
-            ("command to page visible", [start.visible_s for start in starts]),
+            ("command to its first words in a browser", [start.words_s for start in starts]),
+            ("command to the whole page visible", [start.visible_s for start in starts]),
             ("the same, bare viser page", [start.bare_s for start in starts]),
         ):
             STDOUT.print(f"{words}: {min(times):.2f} / {median(times):.2f} s (minimum / median of {repeats})")

@@ -1,6 +1,7 @@
 """How long the page takes, what it costs a scan, and whether it grows: measured in a real browser."""
 
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -26,6 +27,7 @@ from footscan.scanning.session.states import FrameCount, LiveCount
 _WAIT_S = 600.0
 _PATIENCE_S = 1e6
 _IDLE_LOOKS = 10
+_CONTROLS, _FIRST_WORDS = re.compile("controls? the machine"), re.compile("footscan is starting|controls? the machine")
 _LATENCY = """async ([key, wantsWhite]) => {
   const image = document.querySelector('img[src^="blob:"]');
   const canvas = document.createElement('canvas'); canvas.width = 96; canvas.height = 82;
@@ -45,9 +47,10 @@ _LATENCY = """async ([key, wantsWhite]) => {
 
 @dataclass(frozen=True)
 class Start:
-    """Seconds: from the command to its address, and to the page in a browser; and of a bare viser page beside it."""
+    """Seconds from the command to its address, to its first words in a browser, to all its controls; of a bare page."""
 
     address_s: float
+    words_s: float
     visible_s: float
     bare_s: float
 
@@ -63,12 +66,15 @@ def time_start(browser: Browser, repeats: int) -> Iterator[Start]:
                     url = _url_said(served)
                     address_s = time.perf_counter() - begun_s
                     tab = browser.new_page()
-                    Visitor(tab, url)
+                    tab.goto(url)
+                    tab.get_by_text(_FIRST_WORDS).first.wait_for()
+                    words_s = time.perf_counter() - begun_s
+                    tab.get_by_text(_CONTROLS).first.wait_for()
                     visible_s = time.perf_counter() - begun_s
                     tab.close()
                 finally:
                     served.terminate()
-        yield Start(address_s, visible_s, _bare_page(browser))
+        yield Start(address_s, words_s, visible_s, _bare_page(browser))
 
 
 def _url_said(served: "subprocess.Popen[str]") -> str:

@@ -12,6 +12,7 @@ import viser
 from footscan.config.rig_file import Rig
 from footscan.gui.door import Address, opened_door
 from footscan.gui.heartbeat import PATIENCE_S
+from footscan.gui.icons import icons_at_hand
 from footscan.gui.page import Page
 from footscan.gui.self_check import check_page
 from footscan.gui.station import open_station
@@ -40,7 +41,8 @@ def page_behind(server: viser.ViserServer, rig: Rig, data: Path, patience_s: flo
     """
     with open_station(rig, data) as station:
         server.gui.reset()
-        page = Page(server, station, patience_s)
+        with icons_at_hand():
+            page = Page(server, station, patience_s)
         page.start()
         try:
             yield page
