@@ -23,7 +23,7 @@ def _row(name: str, value: Mapping[str, Any], meaning: str) -> str:
     interval = value["interval"]
     span = "" if interval is None else f"{interval[0]:.1f} to {interval[1]:.1f}"
     mark = "" if value["reliable"] else f'<span title="{html.escape(str(value["reason"]))}">⚠</span>'
-    mark += f'<span title="{html.escape(str(value["unusual"]))}">❗</span>' if value["unusual"] else ""
+    mark += f'<span title="{html.escape(str(value["unusual"]))}">◆</span>' if value["unusual"] else ""
     words = html.escape(name.replace("_", " "))
     return (
         f'<tr><td title="{html.escape(meaning)}" style="text-decoration:underline dotted #999;cursor:help">{words}</td>'

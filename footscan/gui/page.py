@@ -32,14 +32,15 @@ from footscan.gui.visit_scan import ScanWork
 from footscan.scanning.session.states import BUSY
 
 TICKS_PER_S = 12.0
-TABS: tuple[tuple[str, viser.IconName, Callable[[Tools], Tab]], ...] = (
-    (texts.TAB_PATIENT, viser.Icon.USER, PatientTab),
-    (texts.TAB_SCAN, viser.Icon.SCAN, ScanTab),
-    (texts.TAB_INSPECT, viser.Icon.RULER, InspectTab),
-    (texts.TAB_LAST, viser.Icon.SHOE, LastTab),
-    (texts.TAB_CALIBRATE, viser.Icon.GRID_DOTS, CalibrateTab),
-    (texts.TAB_SYSTEM, viser.Icon.SETTINGS, SystemTab),
+TABS: tuple[tuple[str, Callable[[Tools], Tab]], ...] = (
+    (texts.TAB_PATIENT, PatientTab),
+    (texts.TAB_SCAN, ScanTab),
+    (texts.TAB_INSPECT, InspectTab),
+    (texts.TAB_LAST, LastTab),
+    (texts.TAB_CALIBRATE, CalibrateTab),
+    (texts.TAB_SYSTEM, SystemTab),
 )
+"""Without icons: all six names stand in one row."""
 _CAMERA_PX, _TASKS_PX = 340.0, 430.0
 _LAST = 1e9
 """The tabs come after what each browser is told of its own."""
@@ -109,8 +110,8 @@ class Page:
 
     def _add_tabs(self, group: viser.GuiTabGroupHandle) -> list[Tab]:
         tabs: list[Tab] = []
-        for label, icon, make in TABS:
-            with group.add_tab(label, icon):
+        for label, make in TABS:
+            with group.add_tab(label):
                 tabs.append(make(self.tools))
         return tabs
 

@@ -17,6 +17,8 @@ from footscan.workflow.demo_patients import add_demo_patients
 
 SIZES = ((1280, 800), (1920, 1080))
 _PATIENCE_S = 300.0
+_DRAWN_MS, _SETTLED_MS = 4000, 900
+"""A browser without a graphics card needs as long for a new foot, and for a new size."""
 
 
 def take_screenshots(rig: Rig, out: Path, say: Callable[[str], None]) -> list[Path]:
@@ -42,7 +44,7 @@ def take_screenshots(rig: Rig, out: Path, say: Callable[[str], None]) -> list[Pa
                 for state in _states(Visitor(tab, url_of(page.server, address)), page):
                     for (width, height), folder in zip(SIZES, (out, out / "large"), strict=True):
                         tab.set_viewport_size({"width": width, "height": height})
-                        tab.wait_for_timeout(900)
+                        tab.wait_for_timeout(_SETTLED_MS)
                         path = folder / f"page-{state}.png"
                         try:
                             folder.mkdir(parents=True, exist_ok=True)
@@ -58,11 +60,13 @@ def take_screenshots(rig: Rig, out: Path, say: Callable[[str], None]) -> list[Pa
 def _states(me: Visitor, page: Page) -> Iterator[str]:
     """Go from state to state; the name of each."""
     yield "start"
+    me.tab.locator(".mantine-Notification-closeButton").first.click()  # of viser: there is no graphics card
     me.is_known("Olga Operator")
     me.takes_patient("Anna Example")
     yield "patient"
     yield from _scan(me, page)
     yield from _inspect(me)
+    yield from _last(me)
     me.goes_to(texts.TAB_CALIBRATE)
     yield "calibrate"
     me.goes_to(texts.TAB_SYSTEM)
@@ -86,6 +90,7 @@ def _scan(me: Visitor, page: Page) -> Iterator[str]:
     me.tab.wait_for_function("document.body.innerText.match(/([4-9][0-9]) %/)")
     yield "scanning"
     me.button(texts.ACCEPT).wait_for(timeout=SCAN_MS)
+    me.tab.wait_for_timeout(_DRAWN_MS)
     yield "scan"
     me.presses(texts.ACCEPT)
     me.sees(re.compile("Next: the right foot"))
@@ -99,12 +104,28 @@ def _inspect(me: Visitor) -> Iterator[str]:
     me.goes_to(texts.TAB_INSPECT)
     me.sees(re.compile("tape girth"))
     me.chooses(texts.SHOW, "Shaded")
+    me.tab.wait_for_timeout(_DRAWN_MS)
     yield "inspect"
     me.chooses(texts.SHOW, "Distance to points")
     me.drags(texts.SECTION_TILT, 60)
     yield "inspect-distance"
     me.tab.get_by_role("checkbox").last.click()
+    me.tab.wait_for_timeout(_DRAWN_MS)
     yield "inspect-both"
     me.tab.get_by_text(texts.MEASUREMENTS, exact=True).scroll_into_view_if_needed()
     me.tab.get_by_text(texts.FILE, exact=True).scroll_into_view_if_needed()
     yield "inspect-measurements"
+
+
+def _last(me: Visitor) -> Iterator[str]:
+    me.goes_to(texts.TAB_LAST)
+    yield "last"
+    me.presses(texts.LAST_RANK)
+    me.button(texts.LAST_COMPARE).click()
+    me.sees(re.compile("never seen|negative: the foot stands out"))
+    me.tab.wait_for_timeout(_DRAWN_MS)
+    yield "last-compared"
+    me.presses(texts.LAST_CUSTOMISE)
+    me.sees(re.compile("The last (holds|does not hold)"))
+    me.tab.wait_for_timeout(_DRAWN_MS)
+    yield "last-customised"

@@ -198,7 +198,7 @@ DOWNLOAD_TABLE = "Table"
 DOWNLOAD_NAMES = {"STL": "surface.stl", "PLY": "surface.ply", "JSON": "measurements.json",
                   DOWNLOAD_TABLE: "measurements.csv", "Sections": "sections.csv", "Picture": "report.png"}  # fmt: skip
 MEASURE_HEAD = "<tr><th>What</th><th>Value</th><th>Interval</th><th></th></tr>"
-MEASURE_MARKS = "⚠ not reliable, ❗ unusual: point at the mark for the reason, at a name for its definition."
+MEASURE_MARKS = "⚠ not reliable, ◆ unusual: point at the mark for the reason, at a name for its definition."
 LEGEND_ORIGIN = (
     '<span style="color:#e0a080">■</span> seen &nbsp; <span style="color:#e8c020">■</span> bridged '
     '&nbsp; <span style="color:#8090a0">■</span> assumed'

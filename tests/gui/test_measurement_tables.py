@@ -25,7 +25,7 @@ def test_what_is_not_reliable_or_unusual_is_marked_with_its_reason() -> None:
     first, second = table.split("<tr>")[2:4]
 
     assert "251.2 mm" in first and "250.2 to 252.2" in first and "⚠" not in first
-    assert "⚠" in second and "❗" in second
+    assert "⚠" in second and "◆" in second
     assert "runs on &quot;unseen&quot; &lt;skin&gt;" in second
     assert "wide &amp; high" in second
 
