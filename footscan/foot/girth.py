@@ -109,7 +109,8 @@ def _wall_points(shell: Shell, length_mm: float, origin: Floats, normal: Floats)
     crossings (already in the cut), those of its shadow on the board, and those of the vertical edges.
     """
     low = _lowest_seen(shell, length_mm)
-    faces = shell.faces[low[shell.faces].any(axis=1)]
+    a, b, c = (low[shell.faces[:, k]] for k in range(3))
+    faces = shell.faces[a | b | c]
     shadow = Shell(shell.xyz * np.array([1.0, 1.0, 0.0]), faces)
     on_board = cut_shell(shadow, origin, normal).xyz.reshape(-1, 3)
     if abs(normal[2]) < 1e-9:
@@ -124,7 +125,8 @@ def _lowest_seen(shell: Shell, length_mm: float) -> Bools:
     """`(n,)` seen vertices near the board, or beside unseen skin not far above it (the arch is seen from 15 mm up)."""
     seen, z = shell.seen, shell.xyz[:, 2]
     near = z <= RIM_SHARE * length_mm
-    faces = shell.faces[near[shell.faces].all(axis=1)]
+    a, b, c = (near[shell.faces[:, k]] for k in range(3))
+    faces = shell.faces[a & b & c]
     beside = np.zeros(len(z), dtype=np.bool_)
     beside[faces[~seen[faces].all(axis=1)].ravel()] = True
     return seen & ((z <= WALL_SHARE * length_mm) | beside)

@@ -85,7 +85,8 @@ def _doubted_if_unseen(foot: StandingFoot, rule: LandmarkRule, place: Landmark) 
     """Add a doubt to a landmark whose skin is bridged, assumed or cut; a constructed point has no skin."""
     if place.source == "manual" or rule.name == "heel_corner" or not foot.uncut_unseen.any():
         return place
-    if not foot.uncut_unseen[((foot.uncut_xyz - place.xyz_foot) ** 2).sum(axis=1).argmin()]:
+    x, y, z = (foot.uncut_xyz[:, k] - place.xyz_foot[k] for k in range(3))
+    if not foot.uncut_unseen[(x * x + y * y + z * z).argmin()]:
         return place
     return replace(place, doubts=(*place.doubts, f"not seen: the skin at {rule.name} is bridged or assumed"))
 
@@ -220,11 +221,13 @@ def _malleolus(sign: float) -> Callable[[StandingFoot, Landmarks], Landmark | Mi
 
 def _between(foot: StandingFoot, z_band: tuple[float, float]) -> Shell:
     """The triangles that reach into a band of heights and into the malleoli's window along the axis."""
-    corner = foot.shell.xyz[foot.shell.faces]
-    low, high = corner.min(axis=1), corner.max(axis=1)
-    first, last = (share * foot.length_mm for share in MALLEOLUS_WINDOW)
-    inside = (low[:, 2] <= z_band[1]) & (high[:, 2] >= z_band[0]) & (low[:, 0] <= last) & (high[:, 0] >= first)
-    return compact(Shell(foot.shell.xyz, foot.shell.faces[inside]))
+    x_band = (MALLEOLUS_WINDOW[0] * foot.length_mm, MALLEOLUS_WINDOW[1] * foot.length_mm)
+    faces = foot.shell.faces
+    for axis, (first, last) in ((2, z_band), (0, x_band)):
+        a, b, c = (foot.shell.xyz[:, axis][faces[:, k]] for k in range(3))
+        low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+        faces = faces[(low <= last) & (high >= first)]
+    return compact(Shell(foot.shell.xyz, faces))
 
 
 def _outermost(shell: Shell, length_mm: float, height_mm: float, sign: float) -> Floats:

@@ -73,7 +73,8 @@ def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats, facet_mm: floa
     near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
     if near.all() or not near.any():
         return near
-    gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], workers=-1)[0]
+    farthest = float(radius_mm.max()) + facet_mm
+    gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], distance_upper_bound=farthest, workers=-1)[0]
     beside = np.minimum(_BESIDE * radius_mm[near], _BESIDE_MM)
     near[near] = gap > radius_mm[near] - beside + 0.25 * facet_mm
     return near

@@ -6,6 +6,7 @@ from scipy.spatial import KDTree
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
+from footscan.foot.shell import Shell, volume_mm3
 from footscan.foot.skin_mesh import SkinMesh, build_skin_mesh
 from footscan.foot.skin_origin import Origin, classify, closing_radius_mm, find_covered, find_stripe_spacing
 from footscan.foot.surface import FootSurface
@@ -31,7 +32,7 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
     """
     skin = build_skin_mesh(surface.tube, facet_mm)
     mesh = trimesh.Trimesh(skin.xyz_mm, skin.facets, process=False, validate=False)
-    if not mesh.is_watertight or mesh.volume <= 0.0:
+    if volume_mm3(Shell(skin.xyz_mm, skin.facets), skin.xyz_mm[0]) <= 0.0:
         raise MeshError("the fitted surface does not enclose a foot; scan again or filter the cloud more strongly")
     used = surface.weight > 0.0
     tree = KDTree(surface.xyz_world[used], balanced_tree=False)
