@@ -198,9 +198,15 @@ def _print_custom(folder: Path, custom: CustomLast) -> None:
         STDOUT.print(f"held {name:18}{one.before:9.2f} -> {one.after:9.2f} {one.unit}{mark}")
     for name, (before, after, unit) in custom.dimensions.items():
         STDOUT.print(f"{name:23}{before:9.2f} -> {after:9.2f} {unit}")
+    smooth = custom.smoothness
+    STDOUT.print(
+        f"bending energy {smooth.energy:.1f}; largest change of curvature {smooth.curvature_step_per_mm2[0]:.3f} -> "
+        f"{smooth.curvature_step_per_mm2[1]:.3f} per mm2; feather edge at most {smooth.feather_deg[0]:.0f} -> "
+        f"{smooth.feather_deg[1]:.0f} degrees; beyond the transition at most {custom.outside_mm:.4f} mm moved"
+    )
     if custom.widening_mm > 0.0:
         STDOUT.print(f"The bottom was widened by up to {custom.widening_mm:.1f} mm.")
-    for text in (*(f"Not met: {one}" for one in custom.unmet), *(f"Remark: {one}" for one in custom.posed.remarks)):
+    for text in (*(f"Not met: {one}" for one in custom.unmet), *(f"Remark: {one}" for one in custom.remarks)):
         STDOUT.print(text, soft_wrap=True)
 
 

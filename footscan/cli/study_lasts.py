@@ -51,6 +51,7 @@ def _row(outcome: StudyOutcome) -> str:
     proof = custom.proof
     mark = "" if proof.holds else "  DOES NOT HOLD"
     return (
-        f"{head} lack {proof.worst_violation_mm:7.3f} of {proof.samples}, out {custom.displacement_mm.max():5.1f} mm, "
+        f"{head} lack {proof.worst_violation_mm:7.3f} of {proof.samples}, out {custom.displacement_mm.max():5.1f} mm "
+        f"({custom.overshoot_mm:.1f} more than asked near), "
         f"bottom +{custom.widening_mm:.1f} mm, {custom.rounds} rounds{mark}"
     )

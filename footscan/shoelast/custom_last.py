@@ -12,6 +12,9 @@ from footscan.shoelast.proof import Proof
 from footscan.shoelast.registration import Registration
 from footscan.shoelast.skin import Breaks, LastSkin
 
+FULL_SHARE = 0.5
+"""With less seen skin than this a result says so."""
+
 
 @dataclass(frozen=True)
 class Held:
@@ -72,6 +75,9 @@ class CustomLast:
         proof: See there.
         rounds: How often the displacement was solved.
         need: What the foot asked of the original, cell by cell.
+        overshoot_mm: How far the displacement goes beyond what any skin near asks for.
+        outside_mm: How far the upper moved beyond the transition length from every place that asks, at most.
+        seen_share: Share of the skin between feather line and top line that was seen.
     """
 
     shoelast: Shoelast
@@ -93,6 +99,20 @@ class CustomLast:
     proof: Proof
     rounds: int
     need: Need
+    overshoot_mm: float
+    outside_mm: float
+    seen_share: float
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a reader must know."""
+        if self.seen_share >= FULL_SHARE:
+            return self.posed.remarks
+        return (
+            *self.posed.remarks,
+            f"only {self.seen_share:.0%} of the skin between feather line and top line was seen: the proof is about "
+            "that alone, and between it the last follows bridged skin. A fuller scan makes a better last.",
+        )
 
 
 def held_json(custom: CustomLast) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.foot_pose import PosedFoot
 from footscan.shoelast.girth_wish import girth_places, girth_pulls
-from footscan.shoelast.judged_skin import judged_samples, wanted_room
+from footscan.shoelast.judged_skin import judged_samples, seen_share, wanted_room
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.need import CELLS, Need, find_need, parameters_at
 from footscan.shoelast.nets import coarse_space
@@ -28,7 +28,7 @@ from footscan.shoelast.obstacle import Pull, Rows, Unknowns, find_unknowns, solv
 from footscan.shoelast.patches import lower_edge, with_boundary
 from footscan.shoelast.profile import Profile
 from footscan.shoelast.proof import prove
-from footscan.shoelast.refusals import check_no_spike, check_not_everywhere
+from footscan.shoelast.refusals import check_no_spike, check_not_everywhere, overshoot_mm
 from footscan.shoelast.registration import Registration
 from footscan.shoelast.skin import Breaks, LastSkin, Sampling, even_breaks, skin_of
 from footscan.shoelast.top_line import TopLine, find_top_line
@@ -98,6 +98,7 @@ class DisplacementTask:
         self.samples, self.judged = judged_samples(posed, shoelast, self.top_line)
         self.room = wanted_room(self.samples, posed, profile, settings)
         self.energy: Sparse = bending_matrix(self.chart.tube)
+        self._between: tuple[Need, ...] = ()
         self.coarse = coarse_space(self.chart.tube, _SPAN_SHARE * settings.transition_mm)
 
     def solved(self, registration: Registration) -> CustomLast:
@@ -106,7 +107,7 @@ class DisplacementTask:
         need, before = find_need(self.chart, self.skin, self.mesh, self.samples.xyz[seen], self.room.of(seen))
         check_not_everywhere(self.shoelast, before)
         widening = find_widening(self.chart, need, self.profile.most_overhang_mm)
-        asked = self._asked(need, widening)
+        asked = self._with_bridged(self._asked(need, widening))
         state = self._first(asked)
         signed, lacking = self._look(state, seen)
         rounds = 1
@@ -115,7 +116,7 @@ class DisplacementTask:
             state = self._corrected(state, asked, raised)
             signed, lacking = self._look(state, seen)
             rounds += 1
-        return self._finished(registration, state, signed, need, widening, rounds)
+        return self._finished(registration, state, signed, need, widening, rounds, asked.places)
 
     def _asked(self, need: Need, widening: Widening) -> _Asked:
         """What a foot asks of the standard last."""
@@ -125,6 +126,21 @@ class DisplacementTask:
         rows = (no_rolling_under(self.chart), self._held_out(need))
         fixed = np.outer(self.coarse.edge, widening.edge)
         return _Asked(places, wanted, rows, tuple(pull), fixed, self._least(need))
+
+    def _with_bridged(self, asked: _Asked) -> _Asked:
+        """The wish that skin between seen skin gets its room as well, so that no ridge stands between two stripes.
+
+        It is a wish alone: bridged skin sets no condition, has no say in the widening, and is not judged.
+        """
+        between = np.flatnonzero(self.judged.unseen & self.samples.bridged)
+        if len(between) == 0:
+            return asked
+        need, _ = find_need(self.chart, self.skin, self.mesh, self.samples.xyz[between], self.room.of(between))
+        need = need.of(need.known & (need.move_mm > _ASKS_MM))
+        self._between = (need,)
+        weight = self._cell_area(need) / (_CLOSE_SHARE * self.settings.transition_mm) ** 4
+        pull = Pull(self.chart.rows(need.u, need.v), need.move_mm, weight)
+        return replace(asked, places=np.vstack([asked.places, self._on_upper(need)]), pulls=(*asked.pulls, pull))
 
     def _first(self, asked: _Asked) -> _State:
         """The smoothest displacement; wanted girths are looked at once more on the last that it makes."""
@@ -259,6 +275,7 @@ class DisplacementTask:
         need: Need,
         widening: Widening,
         rounds: int,
+        places: Floats,
     ) -> CustomLast:
         rest = np.isnan(signed)
         signed[rest] = state.mesh.nearest(self.samples.xyz[rest]).signed
@@ -267,7 +284,8 @@ class DisplacementTask:
         dims = find_dimensions(self.shoelast, after)
         way = np.linalg.norm(state.skin.xyz_shoelast - self.skin.xyz_shoelast, axis=1)
         moved = self._displacement(state, way)
-        check_no_spike(self.shoelast, moved, need.move_mm)
+        beyond = self._overshoot(need, moved)
+        check_no_spike(self.shoelast, beyond)
         return CustomLast(
             shoelast=after,
             original=self.shoelast,
@@ -288,7 +306,26 @@ class DisplacementTask:
             proof=proof,
             rounds=rounds,
             need=need,
+            overshoot_mm=beyond,
+            outside_mm=self._moved_outside(places, way),
+            seen_share=seen_share(self.judged),
         )
+
+    def _moved_outside(self, places: Floats, way_mm: Floats) -> float:
+        """The largest movement of the upper further from every place that asks than the transition length."""
+        count = len(self.skin.uv)
+        if len(places) == 0:
+            return float(way_mm[:count].max())
+        upper = np.ascontiguousarray(self.skin.xyz_shoelast[:count])
+        gap = PointTree(np.ascontiguousarray(places)).nearest(upper, 1, self.settings.transition_mm)[0][:, 0]
+        return float(way_mm[:count][~np.isfinite(gap)].max(initial=0.0))
+
+    def _overshoot(self, need: Need, moved_mm: Floats) -> float:
+        both = [need.of(need.known & (need.move_mm > 0.0)), *self._between]
+        places = np.vstack([self._on_upper(one) for one in both])
+        move = np.concatenate([one.move_mm for one in both])
+        count, reach = len(self.skin.uv), self.settings.transition_mm
+        return overshoot_mm(places, move, self.skin.xyz_shoelast[:count], moved_mm[:count], reach)
 
     def _displacement(self, state: _State, way_mm: Floats) -> Floats:
         """Displacements `(n,)` of the mesh along the directions; bottom and cone top move with their edges."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.shell import Shell, area_mm2
+from footscan.foot.skin_origin import Origin
 from footscan.shoelast.foot_pose import PosedFoot
 
 _R2 = np.array([0.7548776662466927, 0.5698402909980532])
@@ -23,6 +24,7 @@ class FootSamples:
         face: `(n,)` faces of the foot's shell.
         weight: `(n, 3)` barycentric weights there.
         seen: `(n,)` whether the skin was seen.
+        bridged: `(n,)` whether it was not, but lies between seen skin (no assumed sole, no cut).
     """
 
     xyz: Floats
@@ -31,6 +33,7 @@ class FootSamples:
     face: Ints
     weight: Floats
     seen: Bools
+    bridged: Bools
 
     def of(self, mask: Bools) -> "FootSamples":
         """Some of them."""
@@ -41,12 +44,13 @@ class FootSamples:
             self.face[mask],
             self.weight[mask],
             self.seen[mask],
+            self.bridged[mask],
         )
 
     def moved(self, shell: Shell) -> "FootSamples":
         """The same places of the same foot lying elsewhere."""
         xyz = np.einsum("nk,nkc->nc", self.weight, shell.xyz[shell.faces[self.face]])
-        return FootSamples(xyz, self.normal_foot, self.place, self.face, self.weight, self.seen)
+        return FootSamples(xyz, self.normal_foot, self.place, self.face, self.weight, self.seen, self.bridged)
 
 
 def sample_foot(
@@ -76,7 +80,16 @@ def sample_foot(
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     xyz_foot = np.einsum("nk,nkc->nc", weight, corner[face])
     xyz = np.einsum("nk,nkc->nc", weight, posed.shell.xyz[posed.shell.faces[face]])
-    return FootSamples(xyz, normal[face], place_along(posed, xyz_foot), face, weight, posed.foot.face_seen[face])
+    seen = posed.foot.face_seen[face]
+    bridged = ~seen & _between_seen(flat)[face]
+    return FootSamples(xyz, normal[face], place_along(posed, xyz_foot), face, weight, seen, bridged)
+
+
+def _between_seen(shell: Shell) -> Bools:
+    """`(m,)` faces whose corners were all seen or bridged; none when nobody said where the skin comes from."""
+    if shell.origin is None:
+        return np.zeros(len(shell.faces), dtype=np.bool_)
+    return (shell.origin[shell.faces] <= Origin.BRIDGED).all(axis=1)
 
 
 def place_along(posed: PosedFoot, xyz_foot: Floats) -> Floats:

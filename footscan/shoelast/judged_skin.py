@@ -17,6 +17,12 @@ SEEN_SAMPLES = 106_000
 _LEAST_SHARE, _UNSEEN_SHARE = 0.05, 0.2
 
 
+def seen_share(judged: Judged) -> float:
+    """Share of the skin between feather line and top line that was seen, from samples of `judged_samples`."""
+    seen, unseen = float(judged.seen.sum()), float(judged.unseen.sum())
+    return seen / (seen + unseen / _UNSEEN_SHARE)
+
+
 def wanted_room(samples: FootSamples, posed: PosedFoot, profile: Profile, settings: CustomSettings) -> Room:
     """What is wanted of every sample; pins add to it."""
     least, most = room_mm(profile, samples.place, samples.normal_foot)

@@ -175,6 +175,10 @@ def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats) ->
     return np.asarray(found.x)
 
 
+_MOST_OVER = 1.5
+"""No coefficient of a closed curve is more than this many times the largest need: beside a held end it would swing."""
+
+
 def smooth_line(need: Floats, free: Bools, spacing: Floats, length_mm: float) -> Floats:
     """A smooth closed curve close over a need: periodic spline coefficients, zero where they may not change.
 
@@ -196,8 +200,9 @@ def smooth_line(need: Floats, free: Bools, spacing: Floats, length_mm: float) ->
         return np.zeros(count)
     spread = eye.tocsc()[:, place]
     active = np.flatnonzero(need > 0.0)
-    left = sparse.vstack([-(values[active] @ spread), -sparse.identity(len(place))], format="csc")
-    right = np.concatenate([-need[active], np.zeros(len(place))])
+    eye_left = sparse.identity(len(place))
+    left = sparse.vstack([-(values[active] @ spread), -eye_left, eye_left], format="csc")
+    right = np.concatenate([-need[active], np.zeros(len(place)), np.full(len(place), _MOST_OVER * need.max())])
     weigh = sparse.diags(spacing / length_mm**4)
     quadratic = spread.T @ (bend.T @ bend + values.T @ weigh @ values) @ spread
     found = _clarabel(quadratic.tocsc(), -(spread.T @ (values.T @ (weigh @ need))), left, right)

@@ -4,6 +4,7 @@ import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.errors import InputError, QualityError
+from footscan.geometry.nearest import PointTree
 from footscan.shoelast.foot_pose import PosedFoot
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.prepared_foot import PreparedFoot
@@ -15,7 +16,8 @@ SIZE_RULE_ROOM_MM = 2.0 * PARIS_POINT_MM
 SHORTEST_ROOM_MM = SIZE_RULE_ROOM_MM - 1.5 * PARIS_POINT_MM
 """A last with less room than this in front of the toes is about two sizes short."""
 _EVERYWHERE = 0.9
-_OVERSHOOT, _OVERSHOOT_MM = 1.5, 6.0
+MOST_OVERSHOOT_MM = 6.0
+_MOVED_MM, _EVERY, _NEIGHBOURS = 0.5, 5, 48
 
 
 def check_side(shoelast: Shoelast, foot: PreparedFoot) -> None:
@@ -62,21 +64,34 @@ def check_not_everywhere(shoelast: Shoelast, signed_mm: Floats) -> None:
         )
 
 
-def check_no_spike(shoelast: Shoelast, displacement_mm: Floats, need_mm: Floats) -> None:
-    """Refuse a displacement that runs far beyond what the foot asks for, as patchy skin can make it do.
+def overshoot_mm(places: Floats, need_mm: Floats, xyz: Floats, displacement_mm: Floats, reach_mm: float) -> float:
+    """How far a displacement goes beyond what is asked for anywhere near, at most.
 
     Args:
-        shoelast: For its name.
-        displacement_mm: `(n,)` of the customised mesh.
-        need_mm: `(m,)` least displacement where skin was seen.
+        places: `(n, 3)` of the standard last that ask for room.
+        need_mm: `(n,)` how much.
+        xyz: `(m, 3)` places of the standard last.
+        displacement_mm: `(m,)` how far they moved.
+        reach_mm: What is near.
+    """
+    moved = np.flatnonzero(displacement_mm > _MOVED_MM)[::_EVERY]
+    if len(moved) == 0:
+        return 0.0
+    if len(places) == 0:
+        return float(displacement_mm.max())
+    _, which = PointTree(places).nearest(np.ascontiguousarray(xyz[moved]), _NEIGHBOURS, reach_mm)
+    asked = np.append(need_mm, 0.0)[np.minimum(which, len(need_mm))].max(axis=1)
+    return float((displacement_mm[moved] - asked).max())
+
+
+def check_no_spike(shoelast: Shoelast, beyond_mm: float) -> None:
+    """Refuse a displacement that swings far beyond what the foot asks for, as patchy skin can make it do.
 
     Raises:
         QualityError: Scan again, or take another last.
     """
-    most, asked = float(np.abs(displacement_mm).max()), max(float(need_mm.max()), 0.0)
-    allowed = _OVERSHOOT * asked + _OVERSHOOT_MM
-    if most > allowed:
+    if beyond_mm > MOST_OVERSHOOT_MM:
         raise QualityError(
-            f"customising {shoelast.name} would move it by {most:.1f} mm where the foot asks for at most {asked:.1f} mm"
-            f" (allowed: {allowed:.1f} mm): no last to mill. Take a wider last, a longer transition, or a fuller scan."
+            f"customising {shoelast.name} would move it {beyond_mm:.1f} mm further than any skin near asks for (at most"
+            f" {MOST_OVERSHOOT_MM:g} mm): no last to mill. Take a wider last, a longer transition, or a fuller scan."
         )

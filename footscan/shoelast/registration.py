@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from footscan.coordinates import Floats
+from footscan.coordinates import Bools, Floats
 from footscan.foot.shell import Shell
 from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.foot_pose import PosedFoot
@@ -21,8 +21,10 @@ from footscan.shoelast.top_line import FeatherLine, find_top_line
 
 COARSE = Sampling(192, 64, 16)
 _TOES_FROM, _BACK_TO = 1.12, 0.2
-_BACK_HALF_MM, _BACK_FACES = 5.0, -0.3
-"""The back is the strip this wide on either side of the heel's middle that faces backwards more than this."""
+_BACK_HALVES_MM, _BACK_FEWEST, _BACK_FACES = (5.0, 8.0, 12.0, 18.0), 12, -0.3
+"""The back is the strip this wide on either side of the heel's middle that faces backwards more than this; the
+narrowest with that many samples, because stripes may lie far apart at the heel; where hardly any was seen, bridged skin
+shows where the foot ends."""
 _BACK_WEIGHT, _BALL_WEIGHT = 0.6, 0.02
 """Beside the mean square of missing room: of the back's distance from its least room, and of the ball's from the break
 line."""
@@ -85,11 +87,17 @@ class _Lie:
     ) -> None:
         below = find_top_line(shoelast, posed).below(samples.xyz)
         above = FeatherLine(shoelast).height_mm(samples.xyz) > 0.0
-        used = samples.of(samples.seen & below & above & (samples.place < _TOES_FROM))
+        behind = (samples.normal_foot[:, 0] < _BACK_FACES) & (samples.place < _BACK_TO)
+        shown = samples.seen | (samples.bridged & behind)
+        used = samples.of(shown & below & above & (samples.place < _TOES_FROM))
+        self._counts = used.seen
         self._xyz, self._mesh, self._shoelast = used.xyz, mesh, shoelast
         self._least = room_mm(profile, used.place, used.normal_foot)[0]
-        middle = np.abs(used.xyz[:, 1] - posed.points["pternion"][1]) < _BACK_HALF_MM
-        self._back = (used.normal_foot[:, 0] < _BACK_FACES) & (used.place < _BACK_TO) & middle
+        behind = (used.normal_foot[:, 0] < _BACK_FACES) & (used.place < _BACK_TO)
+        beside_mm = np.abs(used.xyz[:, 1] - posed.points["pternion"][1])
+        self._back = _middle_of(behind & used.seen, beside_mm)
+        if self._back.sum() < _BACK_FEWEST:
+            self._back = _middle_of(behind, beside_mm)
         self._seat = shoelast.points["seat_point"]
         self._ball = 0.5 * (posed.points["metatarsale_tibiale"] + posed.points["metatarsale_fibulare"])
         self._last_ball = 0.5 * (shoelast.points["ball_medial"] + shoelast.points["ball_lateral"])
@@ -112,9 +120,10 @@ class _Lie:
         slope = np.column_stack(
             [near.normal[:, 0], near.normal[:, 1], near.normal[:, 1] * arm[:, 0] - near.normal[:, 0] * arm[:, 1]]
         )
-        scale = 1.0 / np.sqrt(len(lack))
-        rows = [scale * np.maximum(lack, 0.0)]
-        slopes = [scale * slope * (lack > 0.0)[:, None]]
+        scale = 1.0 / np.sqrt(max(int(self._counts.sum()), 1))
+        lacks = (lack > 0.0) & self._counts
+        rows = [scale * np.where(lacks, lack, 0.0)]
+        slopes = [scale * slope * lacks[:, None]]
         if self._back.any():
             worst = np.flatnonzero(self._back)[lack[self._back].argmax()]
             rows.append(np.sqrt(_BACK_WEIGHT) * lack[[worst]])
@@ -148,6 +157,15 @@ class _Lie:
         ball = transform[:3, :3] @ self._ball + transform[:3, 3]
         toe = float(self._shoelast.points["toe_point"][0] - moved.points["foremost_point"][0])
         return behind, float((ball - self._last_ball)[0]), toe
+
+
+def _middle_of(behind: Bools, beside_mm: Floats) -> Bools:
+    """The samples of the back nearest to the middle of the heel: a narrow strip, if enough of it was seen."""
+    for half in _BACK_HALVES_MM:
+        strip = behind & (beside_mm < half)
+        if strip.sum() >= _BACK_FEWEST:
+            break
+    return strip
 
 
 def _least(lie: _Lie) -> Floats:

@@ -9,6 +9,7 @@ from footscan.coordinates import Floats
 from footscan.foot.nurbs_fit import evaluate_at
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.chart import Chart
+from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.need import Need
 from footscan.shoelast.obstacle import BACK_COLUMNS, Rows, smooth_line
 
@@ -20,6 +21,8 @@ _UPPER_ROWS, _EDGE_STEPS = 4, 1440
 FAIR_MM = 35.0
 """A widening of the bottom may run out over this length beyond what asks for it."""
 _WIDENED_MM, _CLOSE_MM = 0.02, 18.0
+BACK_FADE_MM = 25.0
+"""The back is held: a widening fades out towards it over this length, and an overhang beside it stays one."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,8 @@ def find_widening(chart: Chart, need: Need, most_overhang_mm: float) -> Widening
         return Widening(wanted, np.zeros((0, 3)))
     row = chart.tube.net_mm[0]
     spacing = np.linalg.norm(np.roll(row, -1, axis=0) - np.roll(row, 1, axis=0), axis=1) / 2.0
+    from_back = np.linalg.norm(row - row[BACK_COLUMNS[1]], axis=1)
+    wanted = wanted * smooth_step(from_back / BACK_FADE_MM)
     asking = np.flatnonzero(wanted > 0.0)
     gap = PointTree(np.ascontiguousarray(row[asking])).nearest(row, 1)[0][:, 0]
     free = gap < FAIR_MM

@@ -12,14 +12,19 @@ from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.compare import compare
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.import_last import shoelast_from_mesh
 from footscan.shoelast.library import LastEntry, family_entries
+from footscan.shoelast.model import Shoelast
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.rank import rank
 from footscan.shoelast.skin import Sampling, skin_of
+from footscan.shoelast.source import LastSource
+from footscan.shoelast.stub import chuck_stub
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
 
 RANKED = 1000
+IMPORTED = Sampling(400, 150, 40)
 
 
 @dataclass(frozen=True)
@@ -49,12 +54,25 @@ def time_lasts(repeats: int) -> list[LastTiming]:
         _timed("compare", lambda: compare(shoelast, foot), repeats, 0.5),
         _timed("customise, transition 10 mm", lambda: customise(shoelast, foot, "therapeutic", fast), repeats, 2.0),
         _timed("customise, transition 20 mm", lambda: customise(shoelast, foot, "therapeutic", slow), repeats, 6.0),
+        _import(shoelast, repeats),
         _distance(shoelast_mesh=skin_of(shoelast, Sampling()).mesh(), foot=foot, repeats=repeats),
     ]
 
 
 def _many(entries: list[LastEntry], count: int) -> list[LastEntry]:
     return [replace(entries[k % len(entries)], id=f"last-{k}") for k in range(count)]
+
+
+def _import(shoelast: Shoelast, repeats: int) -> LastTiming:
+    """A last with a stub as an STL holds it: loose triangles, any heading."""
+    body = skin_of(shoelast, IMPORTED).mesh()
+    loose = np.concatenate([np.asarray(part.triangles) for part in (body, chuck_stub(shoelast).mesh)]).reshape(-1, 3)
+    c, s = np.cos(np.radians(33.0)), np.sin(np.radians(33.0))
+    turned = loose @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    soup = trimesh.Trimesh(turned, np.arange(len(loose)).reshape(-1, 3), process=False)
+    source = LastSource(soup)
+    step = f"import a last of {len(soup.faces)} faces"
+    return _timed(step, lambda: shoelast_from_mesh(source, "right", "bench"), repeats, 10.0)
 
 
 def _distance(shoelast_mesh: trimesh.Trimesh, foot: PreparedFoot, repeats: int) -> LastTiming:

@@ -177,10 +177,13 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
             "changed_share": float(np.mean(custom.changed)),
         },
         "bottom_widened_mm": custom.widening_mm,
+        "overshoot_mm": custom.overshoot_mm,
+        "moved_outside_transition_mm": custom.outside_mm,
+        "seen_share": custom.seen_share,
         "mesh": {"triangles": len(custom.skin.faces), "chord_error_mm": custom.chord_error_mm},
         "smoothness": smooth,
         "unmet": list(custom.unmet),
-        "remarks": list(custom.posed.remarks),
+        "remarks": list(custom.remarks),
     }
 
 

@@ -121,6 +121,8 @@ def outcome_json(outcome: StudyOutcome) -> dict[str, Any]:
             "worst_violation_mm": custom.proof.worst_violation_mm,
             "samples": custom.proof.samples,
             "most_mm": float(custom.displacement_mm.max()),
+            "overshoot_mm": custom.overshoot_mm,
+            "chord_error_mm": custom.chord_error_mm,
             "widening_mm": custom.widening_mm,
             "rounds": custom.rounds,
         }

@@ -18,7 +18,7 @@ from footscan.shoelast.pins import Pin
 from footscan.shoelast.pose import moved
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LEAST_SAMPLES, LIMIT_MM
-from footscan.shoelast.refusals import check_no_spike
+from footscan.shoelast.refusals import check_no_spike, overshoot_mm
 from footscan.shoelast.skin import skin_of
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
@@ -197,8 +197,14 @@ def test_an_unknown_girth_is_refused(shoelast: Shoelast, foot: PreparedFoot):
 
 
 def test_a_displacement_far_beyond_the_need_is_refused(shoelast: Shoelast):
-    need_mm = np.array([-3.0, 4.0])
+    places, need = np.array([[0.0, 0.0, 0.0], [100.0, 0.0, 0.0]]), np.array([4.0, 9.0])
+    along = np.linspace(-20.0, 20.0, 200)
+    xyz, moved = np.column_stack([along, 0.0 * along, 0.0 * along]), np.full(200, 7.5)
 
-    check_no_spike(shoelast, np.array([0.0, 11.9]), need_mm)
-    with pytest.raises(QualityError, match=r"move it by 12\.1 mm where the foot asks for at most 4\.0 mm"):
-        check_no_spike(shoelast, np.array([0.0, 12.1]), need_mm)
+    beyond = overshoot_mm(places, need, xyz, np.where(np.abs(along) < 9.0, moved, 0.0), 10.0)
+
+    assert beyond == pytest.approx(3.5)
+    assert overshoot_mm(places, need, xyz, moved, 10.0) == pytest.approx(7.5)
+    check_no_spike(shoelast, beyond)
+    with pytest.raises(QualityError, match=r"7\.5 mm further than any skin near asks for \(at most 6 mm\)"):
+        check_no_spike(shoelast, 7.5)
