@@ -4,8 +4,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from footscan.calibration.board_shape import BoardShape, board_shape, shape_gates
 from footscan.calibration.design_gates import design_gates
-from footscan.calibration.doubts import BoardShape, board_shape, explain_corners, jump_gate, picture_jumps, shape_gates
+from footscan.calibration.doubts import explain_corners, explain_jump
 from footscan.calibration.gates import (
     LIMITS,
     Gate,
@@ -18,6 +19,7 @@ from footscan.calibration.holdout import HoldOut, hold_out_each
 from footscan.calibration.intake import Intake, Progress, take_in
 from footscan.calibration.joint import USUAL, Choices, JointFit, fit_corners, fit_jointly
 from footscan.calibration.mislabelled import explain_stripes
+from footscan.calibration.picture_jumps import jump_gate, picture_jumps
 from footscan.calibration.sightings import StripePoints
 from footscan.calibration.stripes import find_stripes
 from footscan.config import Board
@@ -117,9 +119,12 @@ def calibrate_intake(
     if not all(gate.passed for gate in corner_gates(corners_fit, names, limits)):
         raise explain_corners(intake, corners_fit, limits).refusal()
     shape = board_shape(intake, corners_fit)
-    jumps, _ = picture_jumps(intake, corners_fit)
-    early = [*shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :], jump_gate(jumps, names)]
-    _pass(early)
+    jumps, free = picture_jumps(intake, corners_fit)
+    jump = jump_gate(jumps, names)
+    early = [*shape_gates(shape, names)[1 if choices.horizontal_scale else 0 :], jump]
+    _pass(early[:-1])
+    if not jump.passed:
+        raise explain_jump(intake, corners_fit, free, jump).refusal()
     clock.mark("corners alone")
     raw = find_stripes(intake, options.progress) if stripes is None else stripes
     clock.mark("stripes")

@@ -45,7 +45,7 @@ def record_body(rig: Rig, folder: Path, calibration: Calibration, artefact_file:
     write_whole(folder / RECORDING / "artefact.toml", artefact_toml(artefact))
     with opened_rig_session(_with_body(rig, artefact), "left", calibration) as (_, session):
         plan = plan_scan(rig.motion, rig.profile(None), session.facts, rig.scanner)
-        settings = ScanSettings(folder, "left", plan, notes=f"test body: {artefact.kind}", countdown_s=0.0)
+        settings = ScanSettings(folder, "left", plan, notes=_notes(rig, artefact), countdown_s=0.0)
         session.post_arm(no_faces_at_beam_height=True).wait()
         teller = _Teller()
         refuse_findings([f for f in prepare_machine(session, settings, teller) if f.cause not in _OF_FEET])
@@ -60,6 +60,11 @@ def _artefact(rig: Rig, path: Path | None) -> Artefact:
         raise InputError("say with --artefact what the test body is (kind, diameters_mm, spacing_mm).")
     body = build_artefact(USUAL_BODY)
     return Artefact("ball-bar", body.diameters_mm, body.spacing_mm, "of the simulated machine")
+
+
+def _notes(rig: Rig, artefact: Artefact) -> str:
+    """For recording.toml: acceptance says of what its figures are."""
+    return f"{'test body' if rig.devices.world is None else 'simulated test body'}: {artefact.kind}"
 
 
 def _with_body(rig: Rig, artefact: Artefact) -> Rig:

@@ -8,6 +8,7 @@ from typing import Any
 from footscan.calibration.calibrate import Calibrated, Options, calibrate_recording
 from footscan.calibration.intake import Progress
 from footscan.calibration.joint import USUAL, Choices
+from footscan.calibration.paper_mode import compare_with_paper
 from footscan.calibration.quality import quality_table, recording_sha256
 from footscan.config import Board, calibration_toml, load_calibration_record
 from footscan.config.toml_file import write_whole
@@ -26,11 +27,13 @@ class CalibrateSettings:
     Attributes:
         measured_mm: Lengths of the board over all squares, x and y, from a calliper; `None` leaves the recording's own.
         choices: What to estimate beyond the usual.
+        paper_mode: Also compare with the paper's own model.
         data: The data folder in which the calibration comes into force; `None`: only the file is written.
     """
 
     measured_mm: tuple[float, float] | None = None
     choices: Choices = USUAL
+    paper_mode: bool = False
     data: Path | None = None
 
 
@@ -55,6 +58,8 @@ def run_calibration(
     result = calibrate_recording(recording, board, Options(settings.choices, progress=progress, created=now))
     quality = quality_table(result, recording_sha256(folder))
     quality |= {"recorded_at": recording.info.created, "made_at": now}
+    if settings.paper_mode:
+        quality["paper_mode"] = compare_with_paper(result.joint).lines()
     _save(result.calibration, out, quality, history)
     if settings.data is not None:
         keep_in_force(settings.data, result.calibration, quality, history)

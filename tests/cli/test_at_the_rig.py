@@ -48,7 +48,9 @@ def test_the_daily_check_scans_the_test_body_itself_and_holds_it_against_the_fir
     assert "The calibration holds." in first.output
     assert told["holds"]
     assert told["reference"] == told["figures"]
-    assert verify_recording(open_recording(tmp_path / "body-1" / "recording")) == []
+    recording = open_recording(tmp_path / "body-1" / "recording")
+    assert verify_recording(recording) == []
+    assert recording.info.notes.startswith("simulated")
 
 
 def test_one_placement_is_recorded_after_one_question_for_each_time_somebody_is_near(

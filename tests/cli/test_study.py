@@ -28,3 +28,18 @@ def test_a_mesh_that_is_not_there_is_named(tmp_path):
 @pytest.mark.parametrize("wrong", [["--scans", "1"], ["--frames", "10"]])
 def test_impossible_studies_are_refused(wrong):
     assert CliRunner().invoke(app, ["study", "motion", *wrong]).exit_code == 2
+
+
+def test_machines_are_calibrated_and_held_against_the_truth():
+    done = CliRunner().invoke(app, ["study", "machines", "--points", "--count", "1", "--first", "3", "--json"])
+    report = json.loads(done.stdout)
+
+    assert done.exit_code == 0
+    assert report["broken"] == []
+    assert max(report["machines"][0]["rms_mm"].values()) < 0.05
+
+
+def test_every_study_has_its_command():
+    told = CliRunner().invoke(app, ["study", "--help"]).stdout
+
+    assert all(f" {name} " in told for name in ("motion", "calibration", "machines", "drivers", "lasts"))
