@@ -25,23 +25,26 @@ _LEAST_SHARE = 0.25
 """Share of all directions that must be known; else the board is too dark to say anything."""
 
 
-def find_bare_reach(xy_board: Floats, middle_mm: tuple[float, float], rim_xy: Floats) -> Floats:
+def find_bare_reach(
+    xy_board: Floats, middle_mm: tuple[float, float], rim_xy: Floats, heading_rad: float = 0.0
+) -> Floats:
     """Distance from the middle of the foot to the innermost bare board, in the direction of each place on a rim.
 
     Args:
         xy_board: `(n, 2)` places where the board was seen, world.
         middle_mm: The middle of the foot.
         rim_xy: `(A, 2)` the lowest seen skin from above, in order around the foot.
+        heading_rad: From where directions are counted; that of the foot makes a turned foot give the same.
 
     Returns:
         `(A,)` mm, steadied around the foot; NaN everywhere when the board says too little.
     """
     middle = np.array(middle_mm)
-    rim_turn, rim_mm = _polar(rim_xy - middle)
+    rim_turn, rim_mm = _polar(rim_xy - middle, heading_rad)
     order = np.argsort(rim_turn)
     centres = (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
     rim = np.interp(centres, rim_turn[order], rim_mm[order], period=1.0)
-    turn, reach = _polar(xy_board - middle)
+    turn, reach = _polar(xy_board - middle, heading_rad)
     which = np.minimum((turn * _DIRECTIONS).astype(np.int64), _DIRECTIONS - 1)
     near = reach < rim[which] + _OUTSIDE_MM
     found, known = _innermost(which[near], reach[near], rim)
@@ -53,9 +56,10 @@ def find_bare_reach(xy_board: Floats, middle_mm: tuple[float, float], rim_xy: Fl
     return np.interp(rim_turn, centres, whole, period=1.0)
 
 
-def _polar(xy: Floats) -> tuple[Floats, Floats]:
-    """Direction in turns (0..1) and distance of `(n, 2)` places."""
-    return np.mod(np.arctan2(xy[:, 1], xy[:, 0]) / (2.0 * np.pi), 1.0), np.hypot(xy[:, 0], xy[:, 1])
+def _polar(xy: Floats, heading_rad: float) -> tuple[Floats, Floats]:
+    """Direction from a heading in turns (0..1) and distance of `(n, 2)` places."""
+    turn = (np.arctan2(xy[:, 1], xy[:, 0]) - heading_rad) / (2.0 * np.pi)
+    return np.mod(turn, 1.0), np.hypot(xy[:, 0], xy[:, 1])
 
 
 def _innermost(which: Ints, reach: Floats, rim: Floats) -> tuple[Floats, Bools]:

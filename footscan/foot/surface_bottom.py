@@ -71,7 +71,7 @@ def assume_bottom(
     away = ring[:, :2] - np.array(axis.low_mm)
     room = np.linalg.norm(away, axis=1)
     inwards = -away / np.maximum(room, 1e-9)[:, None]
-    bare = room - find_bare_reach(xy_board, axis.low_mm, ring[:, :2])
+    bare = room - find_bare_reach(xy_board, axis.low_mm, ring[:, :2], axis.heading_rad)
     points, along = closing_arcs(ring, inwards, edge_shape(np.stack(rows), inwards), room, bare, rule)
     count = points.shape[1]
     return AssumedSkin(

@@ -30,6 +30,16 @@ def test_the_end_of_the_lit_board_is_found_all_around() -> None:
     np.testing.assert_allclose(np.linalg.norm(rim - MIDDLE, axis=1) - reach, 6.0, atol=1.0)
 
 
+def test_a_turned_foot_has_the_same_lit_board_around_it() -> None:
+    rim, board = oval(TURN, 0.0), lit_board(6.0)
+    c, s = np.cos(0.71), np.sin(0.71)
+    back = np.array([[c, s], [-s, c]])
+
+    turned = find_bare_reach((board - MIDDLE) @ back + MIDDLE, MIDDLE, (rim - MIDDLE) @ back + MIDDLE, 0.71)
+
+    np.testing.assert_allclose(turned, find_bare_reach(board, MIDDLE, rim), atol=1e-9)
+
+
 def test_light_beyond_a_gap_and_a_few_strays_under_the_foot_are_not_board_beside_it() -> None:
     rim = oval(TURN, 0.0)
     strays = oval(np.linspace(0.0, 6.0, 40), 35.0)
