@@ -19,7 +19,7 @@ from footscan.foot.shell import shell_from_mesh
 from footscan.foot.skin_origin import Origin
 from footscan.geometry.raster import front_facets
 
-SOLE_SENTENCE = "Sole not measured, assumed flat: hatched and grey skin was never seen."
+SOLE_SENTENCE = "Sole not measured, assumed flat: hatched skin was never seen, blue skin is bridged, grey is the cut."
 _COLOURS = {
     Origin.SEEN: (0.93, 0.76, 0.62),
     Origin.BRIDGED: (0.62, 0.70, 0.85),

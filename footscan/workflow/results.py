@@ -26,6 +26,7 @@ FOOT_FILES = (
     "texture.ply",
 )
 LEAST_SEEN, USUALLY_SEEN = 0.1, 0.4
+_SECOND_BODY = 0.1  # of the foot's points; specks and reflections are less
 RESULT_FILES = ("points.ply", "board.npy", "matrix.npz", "preview.png", "scan.json", *FOOT_FILES)
 
 
@@ -61,6 +62,20 @@ def save_results(result: ScanResult, settings: ProcessSettings, folder: Path) ->
     return report
 
 
+def check_alone(result: ScanResult) -> None:
+    """Refuse a scan in which a second body of some size was taken away as not belonging to the foot.
+
+    Raises:
+        MeshError: Saying how much of the skin it is.
+    """
+    other = result.removed["other body"]
+    if other > _SECOND_BODY * len(result.cloud):
+        raise MeshError(
+            f"a second body stands apart from the foot ({other} points beside {len(result.cloud)}): two feet, or "
+            "something else on the board? One foot at a time can be measured; remove the other and scan again."
+        )
+
+
 def _remove_old(folder: Path) -> None:
     """Take away what an earlier run left here: results of two scans must never lie side by side."""
     try:
@@ -93,6 +108,7 @@ def _add_foot(
     side: Side | None = settings.side or (None if info.side == "none" else info.side)
     subject = known_subject(result, settings)
     try:
+        check_alone(result)
         with stages.stage("surface and measurements"):
             foot = measure_scan(result.cloud, side, subject, settings.foot, settings.landmarks, result.xy_board)
     except (MeshError, EmptyScanError) as refusal:

@@ -1,4 +1,5 @@
 import json
+from collections import Counter
 from dataclasses import replace
 
 import cv2
@@ -30,7 +31,7 @@ from footscan.sim.objects import build_sphere
 from footscan.sim.record import prepare_scan, simulate_recording
 from footscan.workflow.foot import FootSettings
 from footscan.workflow.process import ProcessSettings, process_recording, scan_report
-from footscan.workflow.results import save_results
+from footscan.workflow.results import check_alone, save_results
 from footscan.workflow.simulate import run_demo
 from footscan.workflow.truth import distance_to_surface_mm
 
@@ -388,3 +389,12 @@ def test_distance_to_a_surface_is_exact_on_faces_edges_and_corners(rng):
 
     np.testing.assert_allclose(off_mm, 0.05, atol=0.005)
     np.testing.assert_allclose(distance_to_surface_mm(foot.xyz_world[:50], foot.xyz_world, foot.faces), 0.0, atol=1e-7)
+
+
+def test_a_second_body_of_some_size_is_refused_and_specks_are_not(result, tmp_path):
+    two = replace(result, removed=result.removed + Counter({"other body": len(result.cloud) // 2}))
+
+    with pytest.raises(MeshError, match="second body stands apart"):
+        save_results(two, ProcessSettings(), tmp_path)
+    assert "second body" in json.loads((tmp_path / "scan.json").read_text())["foot"]["refused"]
+    check_alone(replace(result, removed=Counter({"other body": len(result.cloud) // 50})))
