@@ -24,6 +24,8 @@ _LARGE_SHARE, _HALF_DEPTH_MM = 0.6, 62.0
 _BASE_MM = 1.0
 """The last bit of a knob is left out of its outline: it may widen into the last there."""
 _BALL_SHARE = 0.66
+_FACTORS = (10.0, 25.4, 1000.0)
+"""By these a unit is mistaken: cm or m written as if they were mm, or inches."""
 _X = np.array([1.0, 0.0, 0.0])
 
 
@@ -37,10 +39,17 @@ def check_length(extent_mm: float, unit: str) -> None:
         return
     number = extent_mm / mm_from_unit(unit)
     fitting = [one for one in UNITS if _USUAL_MM[0] <= number * mm_from_unit(one) <= _USUAL_MM[1]]
-    advice = f"it is probably in {fitting[0]}: pass --unit {fitting[0]}" if fitting else "check that it is one last"
+    advice = f"it is probably in {fitting[0]}: pass --unit {fitting[0]}" if fitting else _wrong_by(extent_mm)
     raise MeshError(
         f"the longest extent is {number:.4g} {unit}, a last has {LENGTH_MM[0]:.0f} to {LENGTH_MM[1]:.0f} mm; {advice}."
     )
+
+
+def _wrong_by(extent_mm: float) -> str:
+    for factor in _FACTORS:
+        if _USUAL_MM[0] <= extent_mm / factor <= _USUAL_MM[1]:
+            return f"it is about {factor:g} times too large: save it in mm and pass --unit mm"
+    return "check that it is one last"
 
 
 def likely_unit(extent: float) -> str:

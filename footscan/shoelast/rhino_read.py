@@ -19,6 +19,8 @@ rhino3dm: Any = _rhino3dm  # its type stubs lack what containers and meshes can 
 _MM = {"Millimeters": 1.0, "Centimeters": 10.0, "Meters": 1000.0, "Inches": 25.4, "Feet": 304.8, "Microns": 0.001}
 _CHORD_MM = 0.02
 _MOST_STEPS = 1536
+_FIRST = 4
+"""Steps per span at first: patches that share an edge then mostly have the same places along it."""
 _EDGE_MM = 0.02
 _SAME_BOX_MM = 3.0
 _SUBDIVISIONS = 3
@@ -166,7 +168,7 @@ def _untrimmed(brep: Any, face: Any, surface: Any) -> bool:
 def _surface_parts(surface: Any, chord: float) -> tuple[Floats, Ints]:
     """A whole surface as triangles within the chord error."""
     evaluate, spans = _evaluator(surface)
-    steps = [max(2 * span, 8) for span in spans]
+    steps = [max(_FIRST * span, 8) for span in spans]
     while True:
         xyz = evaluate(*(np.linspace(0.0, 1.0, 2 * step + 1) for step in steps))
         corner = xyz[::2, ::2]
@@ -174,8 +176,9 @@ def _surface_parts(surface: Any, chord: float) -> tuple[Floats, Ints]:
             xyz[1::2, ::2] - 0.5 * (corner[:-1] + corner[1:]),
             xyz[::2, 1::2] - 0.5 * (corner[:, :-1] + corner[:, 1:]),
         )
-        finer = [2 * n if np.linalg.norm(gap, axis=-1).max() > chord else n for n, gap in zip(steps, gaps, strict=True)]
-        finer = [min(n, _MOST_STEPS) for n in finer]
+        coarse = [np.linalg.norm(gap, axis=-1).max() > chord for gap in gaps]
+        # only doubled, so that the places of two patches along their common edge are the same or every other one
+        finer = [2 * n if far and 2 * n <= _MOST_STEPS else n for n, far in zip(steps, coarse, strict=True)]
         if finer == steps:
             return _grid_parts(corner)
         steps = finer

@@ -13,7 +13,7 @@ from footscan.foot.mesh_file import load_foot_mesh
 from footscan.shoelast.dimensions import dimensions
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.import_last import ImportFit, shoelast_from_mesh
-from footscan.shoelast.import_pose import likely_unit
+from footscan.shoelast.import_pose import check_length, likely_unit
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.skin import Sampling
 from footscan.shoelast.source import LastSource
@@ -198,3 +198,11 @@ def test_a_scanned_foot_is_no_last():
 
     with pytest.raises(MeshError, match="looks like a foot"):
         imported(foot, "left")
+
+
+@pytest.mark.parametrize(
+    ("extent_mm", "factor"), [(2870.0, "10 times"), (7300.0, "25.4 times"), (287000.0, "1000 times")]
+)
+def test_a_unit_that_is_too_large_is_named(extent_mm: float, factor: str):
+    with pytest.raises(MeshError, match=f"about {factor} too large"):
+        check_length(extent_mm, "mm")
