@@ -140,9 +140,11 @@ def test_girths_are_exact_on_the_skin_that_was_seen(compared):
 def test_the_skin_crosses_itself_nowhere_at_the_toes(compared):
     mesh = compared.foot.mesh
     middles = np.asarray(mesh.triangles_center) @ compared.foot.measurements.foot_from_input[0, :3]
-    corners = np.asarray(mesh.triangles)[middles > np.quantile(middles, 0.75)]
+    corners = np.asarray(mesh.triangles)
+    on_board = corners[:, :, 2].max(axis=1) == 0.0
+    corners = corners[(middles > np.quantile(middles, 0.75)) & ~on_board]
 
-    assert len(corners) > 20000
+    assert len(corners) > 15000
     assert count_crossings(corners) == 0
     assert count_crossings(np.concatenate([corners[:2000], corners[:2000] + 0.4])) > 100
 
