@@ -17,15 +17,17 @@ from footscan.calibration.misfit import corner_misfit_px, head_angles
 from footscan.calibration.picture_jumps import jump_gate, jumps_of, picture_jumps
 from footscan.calibration.sightings import NO_STRIPES, Corners, Sightings
 from footscan.calibration.solve import Fit, fit_estimate
-from footscan.calibration.unknowns import POSES_ONLY
+from footscan.calibration.unknowns import POSES_ONLY, Unknowns
 from footscan.coordinates import Floats
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics.scanner import calibration_from_design
 
+_AT_STOPS = Unknowns(tuple(name for name in CORNERS_ONLY.machine if name != "latency_s"))
 _MOVED_MM = 0.06
 _TOLERANCE_PX = 0.5
 _HELPS = 0.5
 _REJECTS = 0.05
+_SIMPLER = 1.2
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,12 @@ def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> Reason:
     if most and _far_from_design(intake, fit):
         return _nothing(intake, fit)
     moved = [] if most else [_moved_one(intake, fit, p) for p in bad]
-    suspicions = [reverse, *moved, _lens(intake, fit), _shape(intake, fit)]
+    passed = _passed(intake, fit)
+    suspicions = [reverse, *moved, passed, _lens(intake, fit), _shape(intake, fit)]
     now = _misfit_px(fit)
     best = min((s for s in suspicions if s is not None), key=lambda s: s.left_px, default=None)
+    if best is not None and passed is not None and passed.left_px < _SIMPLER * best.left_px:
+        best = passed  # it needs no freedom at all
     if best is not None and best.left_px < max(_HELPS * now, 0.05) and best.left_px < now:
         return best.reason
     return _nothing(intake, fit)
@@ -107,12 +112,28 @@ def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
             best = (rms, float(np.linalg.norm(parts[0][1][:3, 3] - parts[1][1][:3, 3])), int(stop))
     if best is None or best[1] < _MOVED_MM:
         return None
-    left, name = float(np.hypot(_misfit_px(others), best[0])), intake.placement_names[placement]
+    share, name = len(corners) / np.count_nonzero(~intake.corners.moving), intake.placement_names[placement]
+    left = float(np.sqrt((1.0 - share) * _misfit_px(others) ** 2 + share * best[0] ** 2))
     sentence = (
         f"placement {name}: the board was moved by {best[1]:.1f} mm before frame "
         f"{intake.recording.frames[best[2]].frame}. Fix it firmly and repeat this placement."
     )
     return _Suspicion(left if best[0] < _TOLERANCE_PX else np.inf, Reason(sentence, repeat=name))
+
+
+def _passed(intake: Intake, fit: Fit) -> _Suspicion | None:
+    """Something moved between a placement's stops and the moving sweeps past it: without these the rest fits."""
+    corners = intake.corners
+    if not np.any(corners.moving):
+        return None
+    at_stops = Sightings(intake.times, corners.kept(~corners.moving), NO_STRIPES, intake.placement_names)
+    alone = fit_estimate(fit.estimate, at_stops, _AT_STOPS)
+    names = {intake.placement_names[p] for p in np.unique(corners.placement[corners.moving])}
+    sentence = (
+        f"placement {', '.join(sorted(names))}: its frames taken while the head turned contradict those at its stops. "
+        "Between them the board was moved, or lens or camera was knocked: fix them and record everything again."
+    )
+    return _Suspicion(_misfit_px(alone), Reason(sentence))
 
 
 def _posed(estimate: Estimate, intake: Intake, corners: Corners) -> tuple[Floats, Floats]:
@@ -157,12 +178,6 @@ def _nothing(intake: Intake, fit: Fit) -> Reason:
     bad = sorted(size, key=lambda f: -size[f])[:3]
     which = ", ".join(f"{intake.recording.frames[f].frame} ({size[f]:.1f} px)" for f in sorted(bad))
     name = intake.placement_names[worst]
-    if all(intake.recording.frames[f].sweep != "static" for f in bad):
-        return Reason(
-            f"placement {name}: its frames taken while the head turned contradict those at its stops, worst in frames "
-            f"{which}. Between them the board was moved, or lens or camera was knocked: fix them and record everything "
-            "again."
-        )
     sentence = (
         f"placement {name}: its frames contradict the others ({rms[worst]:.2f} px RMS), "
         f"worst in frames {which}. The board moved, or frames were exchanged: repeat this placement."

@@ -180,3 +180,27 @@ def test_a_wrong_dictionary_is_named(shared: Shared):
 
     with pytest.raises(RecordingError, match=r"another dictionary \(DICT_4X4_50\)"):
         take_in(replace(recording, frames=some), wrong)
+
+
+def test_what_moved_between_the_stops_and_the_pass_is_not_blamed_on_the_stops(
+    shared: Shared, calibrate_seen: Calibrate
+):
+    shift_px = np.array([0.0, 0.2])
+    corners = shared.intake.corners
+    spoilt = _with_corners(shared, (corners.placement >= 2) | corners.moving, shift_px)
+
+    with pytest.raises(PoorFitError, match=r"while the head turned contradict those at its stops.*knocked"):
+        calibrate_seen(spoilt)
+
+
+def test_a_board_moved_by_little_is_not_taken_for_a_knocked_lens(
+    shared: Shared, posed: Estimate, calibrate_seen: Calibrate
+):
+    boards, corners = posed.world_from_board.copy(), shared.intake.corners
+    boards[4, :3, 3] += 0.2 * np.array([0.6, 0.5, 0.62])
+    frames = np.unique(corners.frame[corners.placement == 4])
+    late = (corners.placement == 4) & (corners.frame >= frames[len(frames) // 2])
+
+    with pytest.raises(PoorFitError, match="placement 4: the board was moved by") as refusal:
+        calibrate_seen(_with_corners(shared, late, _shift_px(shared, posed, replace(posed, world_from_board=boards))))
+    assert refusal.value.repeat == "4"
