@@ -110,7 +110,16 @@ def _inner_points(xy: Floats, facet_mm: float) -> Floats:
     points = points[inside_outline(points, xy)]
     if not len(points):
         return np.empty((0, 2))
-    return points[KDTree(xy).query(points)[0] > _CLEAR * facet_mm]
+    return points[KDTree(_along(xy, 0.5 * facet_mm)).query(points)[0] > _CLEAR * facet_mm]
+
+
+def _along(xy: Floats, step_mm: float) -> Floats:
+    """The outline with points on its long edges too: an inner point near the middle of one would break it."""
+    way = np.roll(xy, -1, axis=0) - xy
+    pieces = np.maximum(np.ceil(np.linalg.norm(way, axis=1) / step_mm), 1.0).astype(np.int64)
+    edge = np.repeat(np.arange(len(xy)), pieces)
+    share = (np.arange(len(edge)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[edge]
+    return xy[edge] + share[:, None] * way[edge]
 
 
 def _delaunay_facets(xy: Floats, inner: Floats) -> Ints:

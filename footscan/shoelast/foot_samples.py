@@ -89,7 +89,7 @@ def _between_seen(shell: Shell) -> Bools:
     """`(m,)` faces whose corners were all seen or bridged; none when nobody said where the skin comes from."""
     if shell.origin is None:
         return np.zeros(len(shell.faces), dtype=np.bool_)
-    return (shell.origin[shell.faces] <= Origin.BRIDGED).all(axis=1)
+    return np.asarray((shell.origin[shell.faces] <= Origin.BRIDGED).all(axis=1), dtype=np.bool_)
 
 
 def place_along(posed: PosedFoot, xyz_foot: Floats) -> Floats:

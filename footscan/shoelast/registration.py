@@ -161,11 +161,8 @@ class _Lie:
 
 def _middle_of(behind: Bools, beside_mm: Floats) -> Bools:
     """The samples of the back nearest to the middle of the heel: a narrow strip, if enough of it was seen."""
-    for half in _BACK_HALVES_MM:
-        strip = behind & (beside_mm < half)
-        if strip.sum() >= _BACK_FEWEST:
-            break
-    return strip
+    strips = [behind & (beside_mm < half) for half in _BACK_HALVES_MM]
+    return next((strip for strip in strips if strip.sum() >= _BACK_FEWEST), strips[-1])
 
 
 def _least(lie: _Lie) -> Floats:

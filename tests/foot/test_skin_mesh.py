@@ -32,6 +32,16 @@ def test_a_hollow_outline_is_filled_without_overlap() -> None:
     assert len(inner) > 50
 
 
+def test_long_edges_of_an_outline_leave_inner_points_too() -> None:
+    xy = kidney(60)  # edges up to four times the facet
+
+    inner, facets = fill_outline(xy, 1.6, "sole")
+
+    assert np.linalg.norm(np.roll(xy, -1, axis=0) - xy, axis=1).max() > 4.0
+    assert len(inner) > 1000
+    assert len(facets) == 2 * len(inner) + len(xy) - 2
+
+
 def test_an_outline_that_crosses_itself_is_refused() -> None:
     t = 2.0 * np.pi * np.arange(100) / 100
     eight = np.column_stack([50.0 * np.sin(t), 20.0 * np.sin(2.0 * t)])

@@ -1,4 +1,4 @@
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.config import board_toml
 from footscan.config.recording_file import RecordingInfo
-from footscan.errors import InterlockError
+from footscan.errors import InterlockError, RecordingError
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.states import State
 from footscan.scanning.session.stops import (
@@ -85,7 +85,7 @@ def test_after_each_placement_the_machine_is_dark_and_must_be_armed_anew(recorde
     assert recorded.session.snapshot().state is State.STOPPED
 
 
-def test_a_placement_without_a_board_says_why_it_was_not_found(open_bench):
+def test_a_placement_without_a_board_says_why_it_was_not_found(open_bench: Callable[..., Bench]) -> None:
     bench: Bench = open_bench(calibrated=False)
     assert bench.opened.put_calibration_board is not None
     bench.opened.put_calibration_board(None)
@@ -101,4 +101,7 @@ def test_a_placement_without_a_board_says_why_it_was_not_found(open_bench):
     assert len(report.why) > 20
     assert missing[0] is None
     assert "at least 4" in missing[1]
-    assert len(open_recording(bench.folder).frames) == 24
+    assert guided.left_out == {"1"}
+    assert len(list((bench.folder / "frames").glob("*.png"))) == 24  # left out of the table, not lost
+    with pytest.raises(RecordingError, match="no rows"):
+        open_recording(bench.folder)
