@@ -16,6 +16,8 @@ from footscan.sim.shadow import is_lit
 
 STROKE_PX = 0.5
 """Longest stroke; below the blur's sigma, so that a row of spots is smooth."""
+MOST_STROKES, BESIDE_PX = 20_000.0, 200.0
+"""More than any picture is wide, for pieces just in front of the lens; and how far beside it nothing is drawn."""
 SHALLOWEST = 0.05
 """Smallest sine between surface and sheet for which the stripe still widens."""
 WIDEST_PX = 12.0
@@ -75,7 +77,9 @@ def draw_light(
         grey = tone[i] * _grey_of_surface(piece, z_light, numbers, eye)
         if grey <= 0.0:
             continue
-        strokes, light, uu, uv, vv, wide = _strokes(piece, z_light, grey, numbers, camera_from_light, lens)
+        strokes, light, uu, uv, vv, wide = _strokes(
+            piece, z_light, grey, numbers, camera_from_light, lens, picture.shape[0], picture.shape[1]
+        )
         for k in range(strokes):
             t = (k + 0.5) / strokes
             x, y = piece[0] + t * (piece[2] - piece[0]), piece[1] + t * (piece[3] - piece[1])
@@ -91,17 +95,32 @@ def draw_light(
                     add_spot(picture, u, v, here * spread, uu + wide, uv, vv + wide)
 
 
+@compiled_inline
+def _beside(begin_px: float, end_px: float, size_px: int) -> bool:
+    """A piece lies wholly and well beside the picture; one just in front of the lens is millions of pixels long."""
+    return max(begin_px, end_px) < -BESIDE_PX or min(begin_px, end_px) > size_px + BESIDE_PX
+
+
 @compiled
 def _strokes(
-    piece: Floats, z_light: float, grey: float, numbers: Floats, camera_from_light: Floats, lens: Floats
+    piece: Floats,
+    z_light: float,
+    grey: float,
+    numbers: Floats,
+    camera_from_light: Floats,
+    lens: Floats,
+    height: int,
+    width: int,
 ) -> tuple[int, float, float, float, float, float]:
-    """How a piece is drawn: number of strokes (0 behind the lens), light of each, covariance (uu, uv, vv) of its spot
-    and what the spread inside the skin adds to it (px^2)."""
+    """How a piece is drawn: number of strokes (0 behind the lens and beside the picture), light of each, covariance
+    (uu, uv, vv) of its spot and what the spread inside the skin adds to it (px^2)."""
     x, y = 0.5 * (piece[0] + piece[2]), 0.5 * (piece[1] + piece[3])
     nx, ny, nz = piece[4], piece[5], piece[6]
     u0, v0, inverse0 = project(piece[0], piece[1], z_light, camera_from_light, lens)
     u1, v1, inverse1 = project(piece[2], piece[3], z_light, camera_from_light, lens)
     if inverse0 <= 0.0 or inverse1 <= 0.0:
+        return 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if _beside(u0, u1, width) or _beside(v0, v1, height):
         return 0, 0.0, 0.0, 0.0, 0.0, 0.0
     sine = np.sqrt(max(1.0 - nz * nz, 1e-12))
     probe = _PROBE_MM / sine
@@ -111,7 +130,7 @@ def _strokes(
     )
     sigma_mm = numbers[LAYER_SIGMA] / max(sine, SHALLOWEST)
     across_u, across_v = _limited((au - u) / _PROBE_MM, (av - v) / _PROBE_MM, sigma_mm)
-    count = max(int(np.ceil(np.hypot(u1 - u0, v1 - v0) / STROKE_PX)), 1)
+    count = max(int(np.ceil(min(np.hypot(u1 - u0, v1 - v0) / STROKE_PX, MOST_STROKES))), 1)
     along_u, along_v = (u1 - u0) / count, (v1 - v0) / count
     light = grey * np.sqrt(2.0 * np.pi) * abs(along_u * across_v - along_v * across_u)
     blur2 = numbers[BLUR_PX] * numbers[BLUR_PX]
