@@ -77,7 +77,7 @@ def draw_light(
         grey = tone[i] * _grey_of_surface(piece, z_light, numbers, eye)
         if grey <= 0.0:
             continue
-        strokes, light, uu, uv, vv, wide = _strokes(
+        strokes, light, uu, uv, vv, wide = find_strokes(
             piece, z_light, grey, numbers, camera_from_light, lens, picture.shape[0], picture.shape[1]
         )
         for k in range(strokes):
@@ -102,7 +102,7 @@ def _beside(begin_px: float, end_px: float, size_px: int) -> bool:
 
 
 @compiled
-def _strokes(
+def find_strokes(
     piece: Floats,
     z_light: float,
     grey: float,
