@@ -19,7 +19,8 @@ settings.register_profile("footscan", deadline=None)  # how long an example take
 settings.load_profile("footscan")
 _REAL_TIME = ("tests/devices/", "tests/gui/", "tests/sim/test_emulat", "tests/cli/test_emulate", "tests/cli/test_serve",
               "tests/workflow/test_drill")  # fmt: skip
-"""Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers."""
+"""Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers. What a busy
+computer was too slow for is tried again, as the drill itself does."""
 
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
@@ -28,6 +29,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         place = item.path.relative_to(config.rootpath).as_posix()
         if place.startswith(_REAL_TIME):
             item.add_marker(pytest.mark.xdist_group("real time"))
+            if not item.get_closest_marker("browser"):  # those have their own number on the command line
+                item.add_marker(pytest.mark.flaky(reruns=2))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
