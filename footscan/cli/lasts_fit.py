@@ -15,7 +15,7 @@ from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.foot_pose import InsoleStack
 from footscan.shoelast.foot_pose_joints import Freedom, Joints
-from footscan.shoelast.library import LastLibrary
+from footscan.shoelast.last_library import LastLibrary
 from footscan.shoelast.pins import Pin
 from footscan.shoelast.profile import load_profile
 from footscan.shoelast.rank import Ranked, rank, rank_pair

@@ -12,7 +12,7 @@ from footscan.coordinates import Side
 from footscan.records import data_folder
 from footscan.shoelast.dimensions import DEFINITIONS
 from footscan.shoelast.grade import grade, mirror
-from footscan.shoelast.library import BUILT_IN, LastEntry, LastLibrary
+from footscan.shoelast.last_library import BUILT_IN, LastEntry, LastLibrary
 from footscan.workflow.lasts_import import import_last
 
 Unit = Literal["mm", "cm", "m", "in"]

@@ -9,7 +9,7 @@ import typer
 from footscan.cli.console import STDERR, STDOUT, print_json
 from footscan.errors import QualityError
 from footscan.shoelast.customise import CustomSettings
-from footscan.shoelast.library import LastLibrary
+from footscan.shoelast.last_library import LastLibrary
 from footscan.workflow.lasts_study import StudyOutcome, lasts_study_cases, outcome_json, run_lasts_study
 
 

@@ -13,7 +13,7 @@ from footscan.scanning.sweep import Progress
 from footscan.shoelast.compare import Comparison, compare
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.customise import CustomSettings, customise
-from footscan.shoelast.library import LastLibrary
+from footscan.shoelast.last_library import LastLibrary
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.pins import Pin
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
@@ -83,7 +83,7 @@ class Fitting:
     """Lasts for the feet of one data folder; prepared feet are kept."""
 
     def __init__(self, data: Path) -> None:
-        self.library = LastLibrary(data / LASTS)
+        self.shelf = LastLibrary(data / LASTS)
         self._prepared: dict[int, PreparedFoot] = {}
 
     def prepared(self, foot: InspectedFoot) -> PreparedFoot:
@@ -106,7 +106,7 @@ class Fitting:
             InputError: The library holds no last of that side.
         """
         prepared = self.prepared(foot)
-        entries = [entry for entry in self.library.entries() if entry.side == prepared.side]
+        entries = [entry for entry in self.shelf.entries() if entry.side == prepared.side]
         return tuple(rank(entries, prepared, profile)[:BEST])
 
     def fitted(self, foot: InspectedFoot, last_id: str, profile: str) -> FittedLast:
@@ -116,7 +116,7 @@ class Fitting:
             InputError: No such last, or the wrong side.
             QualityError: The last's pitch needs a scan on a wedge.
         """
-        shoelast = self.library.load(last_id)
+        shoelast = self.shelf.load(last_id)
         found = compare(shoelast, self.prepared(foot), profile)
         if found.posed is None or found.top_line is None:
             raise InputError(f"{last_id} could not be laid round the foot; choose another last.")
@@ -137,7 +137,7 @@ class Fitting:
         progress(0, 3)
         prepared = self.prepared(foot)
         progress(1, 3)
-        shoelast = self.library.load(last_id)
+        shoelast = self.shelf.load(last_id)
         progress(2, 3)
         made = customise(shoelast, prepared, profile, settings)
         progress(3, 3)

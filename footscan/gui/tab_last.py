@@ -170,7 +170,7 @@ class LastTab:
             self._put(self._choice.without_last(last_id=last_id, thumbnail=self._thumbnail(last_id)))
 
     def _thumbnail(self, last_id: str) -> bytes:
-        return thumbnail_png(self._fitting.library.load(last_id))
+        return thumbnail_png(self._fitting.shelf.load(last_id))
 
     def _rank_lasts(self) -> None:
         foot, profile = self._opened(), self._choice.profile
@@ -225,7 +225,7 @@ class LastTab:
         name = f"{choice.last_id}{'' if choice.custom is None else '-customised'}.{kind}"
 
         def work(progress: Any) -> bytes:
-            shoelast = self._fitting.library.load(choice.last_id) if choice.custom is None else choice.custom.shoelast
+            shoelast = self._fitting.shelf.load(choice.last_id) if choice.custom is None else choice.custom.shoelast
             return _file_of(shoelast, name, engrave)
 
         self._desk.job(

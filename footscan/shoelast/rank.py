@@ -11,7 +11,7 @@ import numpy as np
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
-from footscan.shoelast.library import LastEntry
+from footscan.shoelast.last_library import LastEntry
 from footscan.shoelast.prepared_foot import PreparedFoot
 from footscan.shoelast.profile import Profile, load_profile, profile_data
 from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM

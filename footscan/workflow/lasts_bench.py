@@ -13,7 +13,7 @@ from footscan.shoelast.compare import compare
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.import_last import shoelast_from_mesh
-from footscan.shoelast.library import LastEntry, family_entries
+from footscan.shoelast.last_library import LastEntry, family_entries
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.rank import rank

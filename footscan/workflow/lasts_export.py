@@ -14,7 +14,7 @@ from footscan.shoelast.engraving import engrave
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.family_index import member_of_id
 from footscan.shoelast.handed import mirrored_mesh
-from footscan.shoelast.library import LastLibrary
+from footscan.shoelast.last_library import LastLibrary
 from footscan.shoelast.mesh_out import OutMesh, Stub, mesh_of_last, save_last_mesh
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.nurbs_out import load_last_json, save_last_json

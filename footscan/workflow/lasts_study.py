@@ -14,7 +14,7 @@ from footscan.geometry.rigid import inverse_rigid
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.foot_pose_joints import smooth_step
-from footscan.shoelast.library import LastEntry, LastLibrary
+from footscan.shoelast.last_library import LastEntry, LastLibrary
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.rank import rank
 from footscan.sim.foot import FootShape, build_foot

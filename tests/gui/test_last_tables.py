@@ -2,7 +2,7 @@
 
 from footscan.gui import texts
 from footscan.gui.last_tables import ranking_table
-from footscan.shoelast.library import LastEntry
+from footscan.shoelast.last_library import LastEntry
 from footscan.shoelast.rank import Ranked
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from footscan.errors import InputError
 from footscan.shoelast.family_data import nominal_girths_mm
-from footscan.shoelast.library import LastEntry, family_entries
+from footscan.shoelast.last_library import LastEntry, family_entries
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.profile import load_profile
 from footscan.shoelast.rank import rank, rank_by_values

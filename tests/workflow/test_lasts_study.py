@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from footscan.shoelast.customise import CustomSettings
-from footscan.shoelast.library import LastLibrary
+from footscan.shoelast.last_library import LastLibrary
 from footscan.workflow.lasts_study import DEFORMITIES, StudyCase, lasts_study_cases, run_lasts_study
 
 FOUR = tuple(StudyCase(k, "right" if k % 2 else "left", 0.97, name, 0.9) for k, name in enumerate(DEFORMITIES[1:]))

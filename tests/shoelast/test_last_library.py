@@ -12,7 +12,7 @@ from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.family_data import FamilyMember
 from footscan.shoelast.family_index import is_current
 from footscan.shoelast.grade import grade, mirror
-from footscan.shoelast.library import BUILT_IN, INDEX, LastLibrary, family_entries
+from footscan.shoelast.last_library import BUILT_IN, INDEX, LastLibrary, family_entries
 from footscan.shoelast.model import Shoelast
 
 
