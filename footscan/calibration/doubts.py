@@ -1,13 +1,15 @@
 """What may be wrong when corners do not fit, each tried by giving it freedom: boards that differ, bend or were moved, a
-lens that was knocked, an encoder that counts the other way.
+lens that was knocked, an encoder that counts the other way or another number of steps.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from footscan.calibration.board_shape import freed_shape, shape_gates, shape_of
 from footscan.calibration.design_gates import camera_gates
+from footscan.calibration.encoder_steps import counts_per_turn
 from footscan.calibration.estimate import Estimate
 from footscan.calibration.first_guess import guess_estimate
 from footscan.calibration.gates import Gate, Limits, Reason, placement_corners
@@ -28,6 +30,10 @@ _TOLERANCE_PX = 0.5
 _HELPS = 0.5
 _REJECTS = 0.05
 _SIMPLER = 1.2
+_MISCOUNTED = 0.0008
+_STEPS_DOUBT = 0.006
+_STEPS_SEARCH = {"xatol": 2.0, "maxiter": 10}
+_STEPS_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -45,6 +51,9 @@ def explain_corners(intake: Intake, fit: Fit, limits: Limits) -> Reason:
     reverse = _reversed(intake) if most else None
     if reverse is not None and reverse.left_px < limits.placement_corner_px:
         return reverse.reason
+    miscounted = _miscounted(intake) if most else None
+    if miscounted is not None and miscounted.left_px < limits.placement_corner_px:
+        return miscounted.reason
     if most and _far_from_design(intake, fit):
         return _nothing(intake, fit)
     moved = [] if most else [_moved_one(intake, fit, p) for p in bad]
@@ -95,6 +104,29 @@ def _reversed(intake: Intake) -> _Suspicion | None:
         "Correct [encoder] direction (or exchange the encoder's phases) and try again."
     )
     return _Suspicion(_misfit_px(fit), Reason(sentence))
+
+
+def _miscounted(intake: Intake) -> _Suspicion | None:
+    """A turn of the head has another number of counts than scanner.toml says."""
+    own, seen = intake.recording.scanner.encoder.steps_per_rev, counts_per_turn(intake)
+    if seen is None or abs(seen / own - 1.0) < _MISCOUNTED:
+        return None
+    search = (seen * (1.0 - _STEPS_DOUBT), seen * (1.0 + _STEPS_DOUBT))
+    best = minimize_scalar(
+        lambda steps: _left_with_steps(intake, float(steps)), bounds=search, method="bounded", options=_STEPS_SEARCH
+    )
+    sentence = (
+        f"a turn of the head has about {best.x:.0f} counts in these pictures, scanner.toml says steps_per_rev {own}. "
+        "Correct [encoder] steps_per_rev (or the count per line in the encoder's interface) and try again."
+    )
+    return _Suspicion(float(best.fun), Reason(sentence))
+
+
+def _left_with_steps(intake: Intake, steps_per_rev: float) -> float:
+    machine = calibration_from_design(intake.recording.scanner)
+    machine = replace(machine, encoder=replace(machine.encoder, steps_per_rev=round(steps_per_rev)))
+    sightings = Sightings(intake.times, intake.corners, NO_STRIPES, intake.placement_names)
+    return _misfit_px(fit_estimate(guess_estimate(intake, machine), sightings, CORNERS_ONLY, rounds=_STEPS_ROUNDS))
 
 
 def _moved_one(intake: Intake, fit: Fit, placement: int) -> _Suspicion | None:
@@ -175,7 +207,7 @@ def _nothing(intake: Intake, fit: Fit) -> Reason:
         )
     own = (fit.rows.placement == worst) & (fit.rows.laser < 0)
     size = {int(f): float(np.median(np.abs(fit.residual_px[own & (fit.rows.frame == f)]))) for f in fit.rows.frame[own]}
-    bad = sorted(size, key=lambda f: -size[f])[:3]
+    bad = [f for f in sorted(size, key=lambda f: -size[f])[:3] if size[f] > 0.5 * max(size.values())]
     which = ", ".join(f"{intake.recording.frames[f].frame} ({size[f]:.1f} px)" for f in sorted(bad))
     name = intake.placement_names[worst]
     sentence = (

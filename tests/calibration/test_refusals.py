@@ -153,6 +153,20 @@ def test_an_encoder_that_counts_the_other_way_is_refused_as_such(shared: Shared,
         calibrate_seen(replace(shared.intake, recording=replace(shared.intake.recording, scanner=wrong)))
 
 
+@pytest.mark.parametrize("times", [0.995, 2.0])
+def test_an_encoder_with_another_number_of_steps_is_refused_as_such(
+    shared: Shared, calibrate_seen: Calibrate, times: float
+):
+    scanner = shared.intake.recording.scanner
+    right = scanner.encoder.steps_per_rev
+    wrong = replace(scanner, encoder=replace(scanner.encoder, steps_per_rev=round(right * times)))
+
+    with pytest.raises(PoorFitError, match="counts in these pictures") as refusal:
+        calibrate_seen(replace(shared.intake, recording=replace(shared.intake.recording, scanner=wrong)))
+    told = int(str(refusal.value).split("about ")[1].split(" ")[0])
+    assert told == pytest.approx(right, rel=5e-4)
+
+
 def test_frames_of_another_machine_are_refused(shared: Shared, calibrate_seen: Calibrate):
     scanner = shared.intake.recording.scanner
     other = replace(scanner, camera=replace(scanner.camera, focal_length_mm=12.0))
