@@ -6,7 +6,7 @@ import numpy as np
 
 from footscan.calibration.charuco import half_size_mm
 from footscan.calibration.estimate import POSE, SHAPE
-from footscan.calibration.gates import Gate
+from footscan.calibration.gate import Gate
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import CORNERS_ONLY
 from footscan.calibration.sightings import NO_STRIPES, Sightings

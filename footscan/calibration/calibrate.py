@@ -7,14 +7,8 @@ from dataclasses import dataclass, replace
 from footscan.calibration.board_shape import BoardShape, board_shape, shape_gates
 from footscan.calibration.design_gates import design_gates
 from footscan.calibration.doubts import explain_corners, explain_jump
-from footscan.calibration.gates import (
-    LIMITS,
-    Gate,
-    Limits,
-    Reason,
-    corner_gates,
-    joint_gates,
-)
+from footscan.calibration.gate import Gate, Reason
+from footscan.calibration.gates import LIMITS, Limits, corner_gates, joint_gates
 from footscan.calibration.holdout import HoldOut, hold_out_each
 from footscan.calibration.intake import Intake, Progress, take_in
 from footscan.calibration.joint import USUAL, Choices, JointFit, fit_corners, fit_jointly

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from footscan.calibration.gates import Gate
+from footscan.calibration.gate import Gate
 from footscan.optics import Calibration
 from footscan.optics.scanner import Scanner, calibration_from_design
 from footscan.optics.sheet import alpha_from_sheet

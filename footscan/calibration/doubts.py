@@ -12,7 +12,8 @@ from footscan.calibration.design_gates import camera_gates
 from footscan.calibration.encoder_steps import counts_per_turn
 from footscan.calibration.estimate import Estimate
 from footscan.calibration.first_guess import guess_estimate
-from footscan.calibration.gates import Gate, Limits, Reason, placement_corners
+from footscan.calibration.gate import Gate, Reason
+from footscan.calibration.gates import Limits, placement_corners
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import CORNERS_ONLY
 from footscan.calibration.misfit import corner_misfit_px, head_angles

@@ -7,13 +7,13 @@ import numpy as np
 from footscan.calibration.agreement import FEWEST_ON_ONE_BOARD, halves_difference_mm, sheet_disagreements_mm
 from footscan.calibration.coverage import height_coverage, image_coverage
 from footscan.calibration.estimate import Estimate
+from footscan.calibration.gate import Gate
 from footscan.calibration.holdout import HoldOut
 from footscan.calibration.joint import JointFit
 from footscan.calibration.sightings import FLOOR_PLACEMENT
 from footscan.calibration.solve import Fit
 from footscan.calibration.uncertainty import condition, expected_error_mm
 from footscan.coordinates import LASER_NAMES
-from footscan.errors import PoorFitError
 
 
 @dataclass(frozen=True)
@@ -57,65 +57,6 @@ class Limits:
 
 LIMITS = Limits()
 _FEWEST_LOPSIDED = 150
-
-
-@dataclass(frozen=True)
-class Reason:
-    """Why a calibration is refused.
-
-    Attributes:
-        sentence: What was found, what is allowed, what to do.
-        repeat: The placement whose repetition is enough; empty where that does not help.
-        more: More placements may be enough.
-    """
-
-    sentence: str
-    repeat: str = ""
-    more: bool = False
-
-    def refusal(self) -> PoorFitError:
-        """The error to raise."""
-        return PoorFitError(f"no calibration: {self.sentence} The calibration in force stays.", self.repeat, self.more)
-
-
-@dataclass(frozen=True)
-class Gate:
-    """One figure against its limit.
-
-    Attributes:
-        name: What it is, with its unit.
-        value: The worst one found.
-        limit: The largest one allowed (the smallest where `least` holds).
-        where: The placement, laser or zone of the worst one; empty where there is none.
-        advice: What is wrong if it fails, and what to do.
-        least: The limit is a least one.
-        repeat: The placement whose repetition is enough if it fails; empty where that does not help.
-        more: More placements may be enough if it fails.
-    """
-
-    name: str
-    value: float
-    limit: float
-    where: str
-    advice: str
-    least: bool = False
-    repeat: str = ""
-    more: bool = False
-
-    @property
-    def passed(self) -> bool:
-        """Whether the figure keeps its limit; NaN does not."""
-        return self.value >= self.limit if self.least else self.value <= self.limit
-
-    def sentence(self) -> str:
-        """What was found, what is allowed, what to do."""
-        where = f" ({self.where})" if self.where else ""
-        bound = "at least" if self.least else "at most"
-        return f"{self.name.replace('_', ' ')}{where}: {self.value:.3g}, {bound} {self.limit:g}. {self.advice}"
-
-    def reason(self) -> Reason:
-        """Why it refuses, if it fails."""
-        return Reason(self.sentence(), self.repeat, self.more)
 
 
 def corner_gates(fit: Fit, names: tuple[str, ...], limits: Limits = LIMITS) -> list[Gate]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footscan.calibration.estimate import LENS, POSE, SHAPE
-from footscan.calibration.gates import Gate
+from footscan.calibration.gate import Gate
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import CORNERS_ONLY
 from footscan.calibration.sightings import NO_STRIPES, Sightings

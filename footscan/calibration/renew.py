@@ -7,7 +7,8 @@ import numpy as np
 
 from footscan.calibration.estimate import ENCODER, LEFT, RIGHT, Estimate
 from footscan.calibration.first_guess import guess_estimate
-from footscan.calibration.gates import LIMITS, Gate, Limits, corner_gates
+from footscan.calibration.gate import Gate
+from footscan.calibration.gates import LIMITS, Limits, corner_gates
 from footscan.calibration.intake import Intake
 from footscan.calibration.joint import consensus_sheet, lowered
 from footscan.calibration.misfit import head_angles, stripe_misfit_mm, stripe_points_head
@@ -67,11 +68,7 @@ def renew(intake: Intake, raw: StripePoints, machine: Calibration, part: Part, l
 def _pass(gates: list[Gate], part: Part) -> None:
     for gate in gates:
         if not gate.passed:
-            where = f" ({gate.where})" if gate.where else ""
-            raise PoorFitError(
-                f"the {part} cannot be renewed alone: {gate.name.replace('_', ' ')}{where} is {gate.value:.3g}, "
-                f"at most {gate.limit:g}. {gate.advice} The calibration in force stays."
-            )
+            raise PoorFitError(f"the {part} cannot be renewed alone: {gate.sentence()} The calibration in force stays.")
 
 
 def _posed(intake: Intake, corners: Sightings, machine: Calibration) -> Fit:

@@ -89,7 +89,7 @@ def _renew(
     with progress_bar("frames", quiet=False) as progress:
         made = renew_recording(recording, parent, out, part, measured_board(recording, measured), kept, progress)
     for gate in made.gates:
-        STDOUT.print(f"{gate.name.replace('_', ' ')} ({gate.where}): {gate.value:.3f}, at most {gate.limit:g}")
+        STDOUT.print(gate.finding())
     STDOUT.print(f"Renewed: {part}; everything else stays. Calibration in {out}, its tables in {tables_path(out).name}")
 
 

@@ -50,7 +50,7 @@ def test_the_sound_recording_gives_the_machine_and_an_honest_error(shared: Share
     _assert_within_limits(result, shared, rms_mm=0.02)
     expected, off = expected_error_mm(result.joint.fit), machine_difference_mm(result.calibration, shared.truth)
 
-    assert all(gate.passed for gate in result.gates)
+    assert all(gate.passed and ": " in gate.finding() for gate in result.gates)
     for name, error in expected.items():
         assert 1.0 / 3.0 < float(np.sqrt(np.mean(off[name] ** 2) / np.mean(error**2))) < 3.0
 
@@ -83,7 +83,7 @@ def test_one_board_of_another_size_is_named(shared: Shared, calibrate_seen: Cali
     corners = shared.intake.corners
     other = np.where((corners.placement == 2)[:, None], 1.003, 1.0)
 
-    with pytest.raises(PoorFitError, match=r"board of other size \(placement 2\)"):
+    with pytest.raises(PoorFitError, match=r"differs in size from the others by a share \(placement 2\)"):
         calibrate_seen(replace(shared.intake, corners=replace(corners, xy_board=corners.xy_board * other)))
 
 
