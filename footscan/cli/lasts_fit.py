@@ -11,8 +11,9 @@ from footscan.coordinates import Side
 from footscan.errors import InputError
 from footscan.records import data_folder
 from footscan.shoelast.compare import Comparison, compare, compare_lasts
-from footscan.shoelast.custom_last import CustomLast
+from footscan.shoelast.custom_last import CustomLast, Smoothing
 from footscan.shoelast.customise import CustomSettings, customise
+from footscan.shoelast.fairing import MOST_SMOOTH_MM
 from footscan.shoelast.foot_pose import InsoleStack
 from footscan.shoelast.foot_pose_joints import Freedom, Joints
 from footscan.shoelast.last_library import LastLibrary
@@ -28,6 +29,7 @@ from footscan.workflow.lasts_fit import (
     save_custom,
 )
 
+_STATED = 0.05
 Unit = Literal["mm", "cm", "m", "in"]
 FootArgument = Annotated[Path, typer.Argument(metavar="FOOT", help="A foot mesh, or a folder made by process.")]
 UnitOption = Annotated[Unit, typer.Option(help="Unit of a mesh file.")]
@@ -157,13 +159,22 @@ def customise_command(
     ] = None,
     girth: Annotated[list[str] | None, typer.Option(help="Wanted girth, such as ball_girth=245.")] = None,
     hold: Annotated[bool, typer.Option(help="Let heel sides, waist and instep lose material.")] = True,
+    smooth: Annotated[
+        float, typer.Option(help="Smooth the result, moving it by at most so many mm.", min=0.0, max=MOST_SMOOTH_MM)
+    ] = 0.0,
     data: DataOption = None,
     json_only: JsonOption = False,
 ) -> None:
     """Change a last as smoothly as possible so that it holds the foot, and prove that it does."""
     load_profile(profile)
     settings = CustomSettings(
-        transition, _stack(insole), _joints(joint), hold, tuple(map(_pin, pin or ())), dict(map(_girth, girth or ()))
+        transition_mm=transition,
+        stack=_stack(insole),
+        joints=_joints(joint),
+        hold=hold,
+        pins=tuple(map(_pin, pin or ())),
+        girths_mm=dict(map(_girth, girth or ())),
+        smooth_mm=smooth,
     )
     if (foot is None) == (pair is None):
         raise InputError("give one FOOT, or both feet with --pair LEFT RIGHT.")
@@ -204,10 +215,29 @@ def _print_custom(folder: Path, custom: CustomLast) -> None:
         f"{smooth.curvature_step_per_mm2[1]:.3f} per mm2; feather edge at most {smooth.feather_deg[0]:.0f} -> "
         f"{smooth.feather_deg[1]:.0f} degrees; beyond the transition at most {custom.outside_mm:.4f} mm moved"
     )
+    if custom.smoothing is not None:
+        _print_smoothing(custom.smoothing, custom)
     if custom.widening_mm > 0.0:
         STDOUT.print(f"The bottom was widened by up to {custom.widening_mm:.1f} mm.")
     for text in (*(f"Not met: {one}" for one in custom.unmet), *(f"Remark: {one}" for one in custom.remarks)):
         STDOUT.print(text, soft_wrap=True)
+
+
+def _print_smoothing(smoothing: Smoothing, custom: CustomLast) -> None:
+    """Before and after smoothing; the proof above is about the smoothed last."""
+    before, after = smoothing.before, custom.smoothness
+    STDOUT.print(
+        f"Smoothed within {smoothing.limit_mm:g} mm (moved by at most {smoothing.most_mm:.2f}): change of bends "
+        f"{smoothing.variation[0]:.2f} -> {smoothing.variation[1]:.2f}, bending energy {before.energy:.1f} -> "
+        f"{after.energy:.1f}, largest change of curvature {before.curvature_step_per_mm2[1]:.3f} -> "
+        f"{after.curvature_step_per_mm2[1]:.3f} per mm2"
+    )
+    changed = [
+        f"{name} {old:.1f} -> {new:.1f} {unit}"
+        for name, (old, new, unit) in smoothing.dimensions.items()
+        if abs(new - old) >= _STATED
+    ]
+    STDOUT.print(f"By smoothing: {', '.join(changed) or 'no dimension changed by 0.05'}", soft_wrap=True)
 
 
 def _stack(text: str) -> InsoleStack:

@@ -12,6 +12,7 @@ from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
 from footscan.cli.study_calibration import study_calibration, study_machines
 from footscan.cli.study_lasts import study_lasts
+from footscan.cli.study_ranking import study_ranking
 from footscan.config.io_models import Dialect
 from footscan.config.rig_file import load_rig
 from footscan.errors import ConfigError, InputError, QualityError
@@ -21,6 +22,7 @@ from footscan.workflow.motion_study import CALIBRATIONS, Outcome, Tally, outcome
 
 study_app = typer.Typer(help="Seeded simulations that say what a part of footscan is worth.", no_args_is_help=True)
 study_app.command("lasts")(study_lasts)
+study_app.command("ranking")(study_ranking)
 study_app.command("calibration")(study_calibration)
 study_app.command("machines")(study_machines)
 

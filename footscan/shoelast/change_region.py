@@ -15,32 +15,43 @@ _LEFT_OVER = 6e-4
 """A coefficient that moves a place outside by less than this share of itself may change."""
 
 
-def find_free(chart: Chart, asking_mm: Floats, transition_mm: float) -> Bools:
-    """Coefficients that move nothing beyond the transition length.
+class ChangeRegion:
+    """The places at which the coefficients of a chart's net act, made ready once for several questions."""
 
-    Args:
-        chart: Of the last.
-        asking_mm: `(n, 3)` places of the upper that ask for a change.
-        transition_mm: How far the change may reach along the skin, measured straight.
+    def __init__(self, chart: Chart) -> None:
+        """Take the chart of a last."""
+        tube = chart.tube
+        u = (np.arange(_STEPS * tube.count_u) + 0.5) / (_STEPS * tube.count_u)
+        breaks = tube.knots_v[DEGREE:-DEGREE]
+        inner = (np.arange(_STEPS) + 0.5) / _STEPS
+        v = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
+        self._places = tube.grid(u, v)
+        self._around, self._up = bases_at(u, tube.knots_u), bases_at(v, tube.knots_v)
+        self._shape = chart.shape
 
-    Returns:
-        `(n_v, n_u)`, the feather edge and the cone edge left out.
-    """
-    tube = chart.tube
-    if len(asking_mm) == 0:
-        return np.zeros(chart.shape, dtype=np.bool_)
-    u = (np.arange(_STEPS * tube.count_u) + 0.5) / (_STEPS * tube.count_u)
-    breaks = tube.knots_v[DEGREE:-DEGREE]
-    inner = (np.arange(_STEPS) + 0.5) / _STEPS
-    v = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
-    places = tube.grid(u, v)
-    gap = PointTree(asking_mm).nearest(places.reshape(-1, 3), 1, transition_mm)[0][:, 0].reshape(len(v), len(u))
-    around, up = bases_at(u, tube.knots_u), bases_at(v, tube.knots_v)
-    moves = np.zeros(chart.shape)
-    _most_outside(around.first, around.value, up.first, up.value, np.isfinite(gap), moves)
-    free = moves < _LEFT_OVER
-    free[0] = free[-1] = False
-    return free
+    def near(self, asking_mm: Floats, reach_mm: float) -> Bools:
+        """Mark the places nearer than `reach_mm`, measured straight, to one of `(n, 3)` places that ask for a change.
+
+        Returns:
+            `(k, m)`; unions of such marks answer for several groups of places.
+        """
+        shape = self._places.shape[:2]
+        if len(asking_mm) == 0:
+            return np.zeros(shape, dtype=np.bool_)
+        low, high = asking_mm.min(axis=0) - reach_mm, asking_mm.max(axis=0) + reach_mm
+        some = np.flatnonzero(((self._places > low) & (self._places < high)).all(axis=2))
+        gap = PointTree(asking_mm).nearest(self._places.reshape(-1, 3)[some], 1, reach_mm)[0][:, 0]
+        result = np.zeros(shape, dtype=np.bool_)
+        result.reshape(-1)[some] = np.isfinite(gap)
+        return result
+
+    def free(self, near: Bools) -> Bools:
+        """Coefficients `(n_v, n_u)` that move nothing outside the marked places; feather and cone edge left out."""
+        moves = np.zeros(self._shape)
+        _most_outside(self._around.first, self._around.value, self._up.first, self._up.value, near, moves)
+        free = moves < _LEFT_OVER
+        free[0] = free[-1] = False
+        return free
 
 
 @compiled

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import BSpline
 
-from footscan.coordinates import Floats, Ints
+from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.nurbs import DEGREE, SplineTube, greville
 from footscan.foot.nurbs_fit import bases_at, evaluate_at
 from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, fill_rows
@@ -85,12 +85,15 @@ def unit_normals(tube: SplineTube, u: Floats, v: Floats) -> Floats:
     return normal / np.maximum(np.linalg.norm(normal, axis=2, keepdims=True), 1e-12)
 
 
-def bending_matrix(tube: SplineTube, active: Floats | None = None) -> Sparse:
-    """Energy of a scalar field on the upper: c' K c = integral of its squared covariant Hessian over the surface.
+def bending_matrix(tube: SplineTube, fair_mm: float = 0.0, moving: Bools | None = None) -> Sparse:
+    """Energy of a scalar field on the upper: c' K c = integral of its squared covariant Hessian H over the surface.
+
+    With `fair_mm` = l the integral is that of H^2 + l^2 (dH/ds)^2: bends shorter than about l cost more.
 
     Args:
         tube: The upper.
-        active: `(n_v - 3, n_u)` true for the spans that count; None for all.
+        fair_mm: l.
+        moving: `(n_v, n_u)` coefficients whose rows are needed; the spans that none of them reaches are left out.
 
     Returns:
         Sparse symmetric `(n_v * n_u, n_v * n_u)`.
@@ -100,15 +103,24 @@ def bending_matrix(tube: SplineTube, active: Floats | None = None) -> Sparse:
     u = ((np.arange(tube.count_u)[:, None] + offset) / tube.count_u).ravel()
     v = (breaks[:-1, None] + np.diff(breaks)[:, None] * offset).ravel()
     weight = np.repeat(0.5 * np.diff(breaks), 2)[:, None] * np.full(len(u), 0.5 / tube.count_u)[None]
-    if active is not None:
-        weight = weight * np.repeat(np.repeat(active, 2, axis=0), 2, axis=1)
+    if moving is not None:
+        weight = weight * np.repeat(np.repeat(_reached_spans(moving), 2, axis=0), 2, axis=1)
+    apart = offset[1] - offset[0]
+    step = np.concatenate([[apart / tube.count_u], apart * np.diff(breaks)])
     orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
     tangents = np.stack([tube.grid(u, v, order_u=a, order_v=b) for a, b in orders], axis=2)
     stencil = np.zeros((*tube.net_mm.shape[:2], WIDE, WIDE))
     first_u, basis_u = _basis_table(u, tube.knots_u)
     first_v, basis_v = _basis_table(v, tube.knots_v)
-    add_bending(first_u, basis_u, first_v, basis_v, np.ascontiguousarray(tangents), weight, stencil)
+    places = np.ascontiguousarray(tangents)
+    add_bending(first_u, basis_u, first_v, basis_v, places, weight, step, fair_mm**2, stencil)
     return _matrix_from_stencil(stencil)
+
+
+def _reached_spans(moving: Bools) -> Bools:
+    """Spans `(n_v - 3, n_u)` in which some of the coefficients `(n_v, n_u)` act."""
+    around = np.logical_or.reduce([np.roll(moving, -k, axis=1) for k in range(DEGREE + 1)])
+    return np.logical_or.reduce([around[k : len(around) - DEGREE + k] for k in range(DEGREE + 1)])
 
 
 def _basis_table(t: Floats, knots: Floats) -> tuple[Ints, Floats]:

@@ -10,62 +10,103 @@ WIDE = 2 * REACH + 1
 
 
 @compiled
-def add_bending(
-    first_u: Ints, basis_u: Floats, first_v: Ints, basis_v: Floats, tangents: Floats, weight: Floats, stencil: Floats
-) -> None:
-    """Add the squared covariant Hessian of a scalar field at places of a grid.
+def _hessian(s: Floats, basis_u: Floats, basis_v: Floats, h: Floats) -> tuple[float, float, float]:
+    """Covariant Hessians `(16, 3)` of the basis functions in an orthonormal frame: 11, sqrt(2) * 12, 22.
 
     Args:
-        first_u: `(m,)` first of the four control columns at every u.
+        s: `(5, 3)` derivatives u, v, uu, uv, vv of the surface.
+        basis_u: `(3, 4)` values, first and second derivatives.
+        basis_v: Likewise.
+        h: Result; control (j, i) of the patch is row 4 * i + j.
+
+    Returns:
+        a, b, c: the frame's first axis is along u, where u is (a, 0) and v is (b, c).
+    """
+    guu = s[0, 0] * s[0, 0] + s[0, 1] * s[0, 1] + s[0, 2] * s[0, 2]
+    guv = s[0, 0] * s[1, 0] + s[0, 1] * s[1, 1] + s[0, 2] * s[1, 2]
+    gvv = s[1, 0] * s[1, 0] + s[1, 1] * s[1, 1] + s[1, 2] * s[1, 2]
+    det = guu * gvv - guv * guv
+    a = np.sqrt(guu)
+    b, c = guv / a, np.sqrt(det) / a
+    gamma = np.empty((3, 2))
+    for d in range(3):
+        du = s[2 + d, 0] * s[0, 0] + s[2 + d, 1] * s[0, 1] + s[2 + d, 2] * s[0, 2]
+        dv = s[2 + d, 0] * s[1, 0] + s[2 + d, 1] * s[1, 1] + s[2 + d, 2] * s[1, 2]
+        gamma[d, 0], gamma[d, 1] = (gvv * du - guv * dv) / det, (guu * dv - guv * du) / det
+    for i in range(4):
+        for j in range(4):
+            u0, u1, u2 = basis_u[0, i], basis_u[1, i], basis_u[2, i]
+            v0, v1, v2 = basis_v[0, j], basis_v[1, j], basis_v[2, j]
+            fu, fv = u1 * v0, u0 * v1
+            huu = u2 * v0 - gamma[0, 0] * fu - gamma[0, 1] * fv
+            huv = u1 * v1 - gamma[1, 0] * fu - gamma[1, 1] * fv
+            hvv = u0 * v2 - gamma[2, 0] * fu - gamma[2, 1] * fv
+            h[4 * i + j, 0] = huu / (a * a)
+            h[4 * i + j, 1] = 1.4142135623730951 * (huv - b * huu / a) / (a * c)
+            h[4 * i + j, 2] = (hvv - 2.0 * b * huv / a + b * b * huu / (a * a)) / (c * c)
+    return a, b, c
+
+
+@compiled
+def add_bending(
+    first_u: Ints,
+    basis_u: Floats,
+    first_v: Ints,
+    basis_v: Floats,
+    tangents: Floats,
+    weight: Floats,
+    step: Floats,
+    fair2: float,
+    stencil: Floats,
+) -> None:
+    """Add the squared covariant Hessian of a scalar field, and that of its change along the surface, span by span.
+
+    Args:
+        first_u: `(m,)` first of the four control columns at every u: two places in every span.
         basis_u: `(m, 3, 4)` their values, first and second derivatives.
-        first_v: `(k,)` first of the four control rows at every v.
+        first_v: `(k,)` first of the four control rows at every v, likewise.
         basis_v: `(k, 3, 4)` likewise.
         tangents: `(k, m, 5, 3)` derivatives u, v, uu, uv, vv of the surface.
-        weight: `(k, m)` parameter area of every place; 0 leaves it out.
+        weight: `(k, m)` parameter area of every place; 0 leaves its span out.
+        step: `(1 + k / 2,)` parameter way between the two places of a span, around and then up in every row of spans.
+        fair2: Weight (mm2) of the squared change of the Hessian per mm.
         stencil: `(n_v, n_u, 7, 7)` to add to: entry (j, i, dj + 3, di + 3) couples (j, i) with (j + dj, i + di).
     """
-    columns = stencil.shape[1]
-    h = np.empty((16, 3))
-    for k in range(weight.shape[0]):
-        for m in range(weight.shape[1]):
+    h, parts = np.empty((4, 16, 3)), np.empty((16, 18))
+    for row in range(weight.shape[0] // 2):
+        for column in range(weight.shape[1] // 2):
+            k, m = 2 * row, 2 * column
             if weight[k, m] == 0.0:
                 continue
-            s = tangents[k, m]
-            guu = s[0, 0] * s[0, 0] + s[0, 1] * s[0, 1] + s[0, 2] * s[0, 2]
-            guv = s[0, 0] * s[1, 0] + s[0, 1] * s[1, 1] + s[0, 2] * s[1, 2]
-            gvv = s[1, 0] * s[1, 0] + s[1, 1] * s[1, 1] + s[1, 2] * s[1, 2]
-            det = guu * gvv - guv * guv
-            area = np.sqrt(det)
-            # an orthonormal frame: e1 along u; J holds u and v in it
-            a = np.sqrt(guu)
-            b, c = guv / a, area / a
-            gamma = np.empty((3, 2))
-            for d in range(3):
-                du = s[2 + d, 0] * s[0, 0] + s[2 + d, 1] * s[0, 1] + s[2 + d, 2] * s[0, 2]
-                dv = s[2 + d, 0] * s[1, 0] + s[2 + d, 1] * s[1, 1] + s[2 + d, 2] * s[1, 2]
-                gamma[d, 0], gamma[d, 1] = (gvv * du - guv * dv) / det, (guu * dv - guv * du) / det
-            for i in range(4):
-                for j in range(4):
-                    u0, u1, u2 = basis_u[m, 0, i], basis_u[m, 1, i], basis_u[m, 2, i]
-                    v0, v1, v2 = basis_v[k, 0, j], basis_v[k, 1, j], basis_v[k, 2, j]
-                    fu, fv = u1 * v0, u0 * v1
-                    huu = u2 * v0 - gamma[0, 0] * fu - gamma[0, 1] * fv
-                    huv = u1 * v1 - gamma[1, 0] * fu - gamma[1, 1] * fv
-                    hvv = u0 * v2 - gamma[2, 0] * fu - gamma[2, 1] * fv
-                    # into the frame: inverse of J = [[a, b], [0, c]]
-                    h11 = huu / (a * a)
-                    h12 = (huv - b * huu / a) / (a * c)
-                    h22 = (hvv - 2.0 * b * huv / a + b * b * huu / (a * a)) / (c * c)
-                    at = 4 * i + j
-                    h[at, 0], h[at, 1], h[at, 2] = h11, 1.4142135623730951 * h12, h22
-            w = weight[k, m] * area
-            for p in range(16):
-                i, j = (first_u[m] + p // 4) % columns, first_v[k] + p % 4
-                for q in range(16):
-                    di, dj = q // 4 - p // 4, q % 4 - p % 4
-                    stencil[j, i, dj + REACH, di + REACH] += w * (
-                        h[p, 0] * h[q, 0] + h[p, 1] * h[q, 1] + h[p, 2] * h[q, 2]
-                    )
+            a = b = c = area = 0.0
+            for at in range(4):
+                p, q = k + at // 2, m + at % 2
+                a1, b1, c1 = _hessian(tangents[p, q], basis_u[q], basis_v[p], h[at])
+                a, b, c = a + 0.25 * a1, b + 0.25 * b1, c + 0.25 * c1
+                w = weight[p, q] * a1 * c1
+                area += w
+                for z in range(16):
+                    for d in range(3):
+                        parts[z, 3 * at + d] = np.sqrt(w) * h[at, z, d]
+            share = np.sqrt(fair2 * area)
+            for z in range(16):
+                for d in range(3):
+                    du = 0.5 * (h[1, z, d] + h[3, z, d] - h[0, z, d] - h[2, z, d]) / step[0]
+                    dv = 0.5 * (h[2, z, d] + h[3, z, d] - h[0, z, d] - h[1, z, d]) / step[1 + row]
+                    parts[z, 12 + d], parts[z, 15 + d] = share * du / a, share * (dv - b / a * du) / c
+            _add_products(parts, first_u[m], first_v[k], stencil)
+
+
+@compiled
+def _add_products(parts: Floats, first_u: int, first_v: int, stencil: Floats) -> None:
+    columns = stencil.shape[1]
+    for p in range(16):
+        i, j = (first_u + p // 4) % columns, first_v + p % 4
+        for q in range(16):
+            total = 0.0
+            for d in range(parts.shape[1]):
+                total += parts[p, d] * parts[q, d]
+            stencil[j, i, q % 4 - p % 4 + REACH, q // 4 - p // 4 + REACH] += total
 
 
 @compiled

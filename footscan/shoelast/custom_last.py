@@ -52,6 +52,27 @@ class Smoothness:
 
 
 @dataclass(frozen=True)
+class Smoothing:
+    """What smoothing did to a copy of the result; the conditions that the result meets are those of the copy as well.
+
+    Attributes:
+        limit_mm: How far it was allowed to move the result.
+        most_mm: How far it did.
+        variation: Squared change of the bend per mm, summed over the displacement, before and after.
+        before: How smooth the result was before.
+        dimensions: Name -> before, after, unit.
+        unsmoothed: The result before.
+    """
+
+    limit_mm: float
+    most_mm: float
+    variation: tuple[float, float]
+    before: Smoothness
+    dimensions: dict[str, tuple[float, float, str]]
+    unsmoothed: Shoelast
+
+
+@dataclass(frozen=True)
 class CustomLast:
     """A customised last.
 
@@ -71,6 +92,7 @@ class CustomLast:
         held: Name -> before and after.
         widening_mm: How far the bottom was widened at most.
         smoothness: See there.
+        smoothing: What was smoothed on request, None when nothing was.
         unmet: Wishes that could not be met, in words.
         proof: See there.
         rounds: How often the displacement was solved.
@@ -95,6 +117,7 @@ class CustomLast:
     held: dict[str, Held]
     widening_mm: float
     smoothness: Smoothness
+    smoothing: Smoothing | None
     unmet: tuple[str, ...]
     proof: Proof
     rounds: int

@@ -24,6 +24,7 @@ HELD_MM, HELD_DEG = 0.1, 0.2
 GIRTH_MM = 1.5
 _STEPS = 720
 _BLEND_MM = 1.0
+_SYMMETRIC = {"SymmetricMode": True}
 
 Dims = dict[str, tuple[float, float, str]]
 
@@ -154,7 +155,7 @@ def plain_maximum_energy(chart: Chart, energy: Sparse, need: Need) -> float:
     rows = sparse.vstack([chart.rows(need.u[used], need.v[used]), chart.rows(u[quiet], v[quiet])])
     right = np.concatenate([wanted, np.zeros(int(quiet.sum()))])
     normal = (rows.T @ rows + 1e-6 * energy + 1e-9 * sparse.identity(rows.shape[1])).tocsc()
-    found = np.asarray(solver.spsolve(normal, rows.T @ right))
+    found = np.asarray(solver.splu(normal, permc_spec="MMD_AT_PLUS_A", options=_SYMMETRIC).solve(rows.T @ right))
     return float(found @ (energy @ found))
 
 

@@ -19,6 +19,7 @@ class CustomSettings:
         hold: Whether heel sides, waist and instep may lose material where the foot has too much room.
         pins: Spot allowances.
         girths_mm: Wanted tape girths of the last, name -> mm (ball_girth, waist_girth, instep_girth).
+        smooth_mm: How far smoothing may move the result, in or out; 0 leaves it as it is.
     """
 
     transition_mm: float = 10.0
@@ -27,3 +28,4 @@ class CustomSettings:
     hold: bool = True
     pins: tuple[Pin, ...] = ()
     girths_mm: Mapping[str, float] = field(default_factory=dict[str, float])
+    smooth_mm: float = 0.0

@@ -5,6 +5,7 @@ import trimesh
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.displacement import DisplacementTask
+from footscan.shoelast.fit_case import build_case
 from footscan.shoelast.foot_pose import pose_foot
 from footscan.shoelast.foot_samples import sample_foot
 from footscan.shoelast.girth_wish import check_girths
@@ -46,8 +47,8 @@ def customise(
     posed = pose_foot(prepared, shoelast, settings.stack, settings.joints)
     posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
     check_size(shoelast, posed, registration)
-    task = DisplacementTask(fine_enough(shoelast, settings.transition_mm), posed, profile, settings)
-    return task.solved(registration)
+    case = build_case(fine_enough(shoelast, settings.transition_mm), posed, profile, settings)
+    return DisplacementTask(case).solved(registration)
 
 
 def _profile(clearance: Profile | str | float) -> Profile:

@@ -38,14 +38,13 @@ def judged_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> t
     """
     feather = FeatherLine(shoelast)
     low = np.asarray(top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1), dtype=np.bool_)
-    plain = sample_foot(posed, 4000, faces=low)
-    share = float(judge(plain, feather.height_mm(plain.xyz), top_line).seen.mean())
+    rough = sample_foot(posed, 8000, unseen_share=_UNSEEN_SHARE, faces=low)
+    judged = judge(rough, feather.height_mm(rough.xyz), top_line)
+    share = seen_share(judged)
     if share < _LEAST_SHARE:
         raise QualityError(
             f"only {share:.0%} of the skin below the top line was seen; at least {_LEAST_SHARE:.0%} are needed to "
             "prove that the last holds the foot. Scan again with more of the foot in view."
         )
-    rough = sample_foot(posed, 8000, unseen_share=_UNSEEN_SHARE, faces=low)
-    share = float(judge(rough, feather.height_mm(rough.xyz), top_line).seen.mean())
-    samples = sample_foot(posed, int(SEEN_SAMPLES / share), unseen_share=_UNSEEN_SHARE, faces=low)
+    samples = sample_foot(posed, int(SEEN_SAMPLES / float(judged.seen.mean())), unseen_share=_UNSEEN_SHARE, faces=low)
     return samples, judge(samples, feather.height_mm(samples.xyz), top_line)

@@ -30,18 +30,22 @@ class Unknowns:
         spread: Sparse `(n_v * n_u, n)`: all coefficients from the unknown ones.
         fixed: `(n_v * n_u,)` the rest of them.
         least: `(n,)` lower bounds.
+        fine: Coefficients of the fine net that are unknown by themselves, beside those of the coarse one.
     """
 
     spread: Sparse
     fixed: Floats
     least: Floats
+    fine: Ints
 
     def coefficients(self, unknown: Floats, shape: tuple[int, int]) -> Floats:
         """All coefficients `(n_v, n_u)`."""
         return (self.spread @ unknown + self.fixed).reshape(shape)
 
 
-def find_unknowns(free: Bools, fixed: Floats, least: Floats, coarse: Coarse, wanted: Sparse) -> Unknowns:
+def find_unknowns(
+    free: Bools, fixed: Floats, least: Floats, coarse: Coarse, wanted: Sparse, also: Ints | None = None
+) -> Unknowns:
     """Sort coefficients into unknown, fixed and tied ones.
 
     Args:
@@ -51,6 +55,7 @@ def find_unknowns(free: Bools, fixed: Floats, least: Floats, coarse: Coarse, wan
         coarse: The coarser net whose fields are looked for: those of its coefficients that move only free ones.
         wanted: Sparse `(n, n_v * n_u)`, the field at places that ask for a change. Where the coarse net has little say
             (a spot by itself, smaller than the net's spans) free coefficients of the fine net are added.
+        also: Coefficients of the fine net that are added in any case.
     """
     touches = (coarse.spread != 0).astype(np.float64)
     blocked = touches.T @ (~free).ravel().astype(np.float64)
@@ -60,9 +65,10 @@ def find_unknowns(free: Bools, fixed: Floats, least: Floats, coarse: Coarse, wan
     alone = _tied_unknowns((blocked == 0.0).reshape(coarse.shape), bound.reshape(coarse.shape))
     spread = (coarse.spread @ alone[0]).tocsc()
     more = _for_lonely_places(spread, free, wanted)
+    more = more if also is None else np.union1d(more, also[free.ravel()[also]])
     eye = sparse.identity(free.size, format="csc")[:, more]
     bounds = np.concatenate([alone[1], least.ravel()[more]])
-    return Unknowns(sparse.hstack([spread, eye], format="csc"), fixed.ravel(), bounds)
+    return Unknowns(sparse.hstack([spread, eye], format="csc"), fixed.ravel(), bounds, more)
 
 
 _LITTLE_SAY, _ACTS, _COVERED = 0.6, 0.02, 0.9

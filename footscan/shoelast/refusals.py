@@ -17,7 +17,7 @@ SHORTEST_ROOM_MM = SIZE_RULE_ROOM_MM - 1.5 * PARIS_POINT_MM
 """A last with less room than this in front of the toes is about two sizes short."""
 _EVERYWHERE = 0.9
 MOST_OVERSHOOT_MM = 6.0
-_MOVED_MM, _EVERY, _NEIGHBOURS = 0.5, 5, 48
+_MOVED_MM, _LOOKED_AT, _NEIGHBOURS = 0.5, 8000, 48
 
 
 def check_side(shoelast: Shoelast, foot: PreparedFoot) -> None:
@@ -74,9 +74,10 @@ def overshoot_mm(places: Floats, need_mm: Floats, xyz: Floats, displacement_mm: 
         displacement_mm: `(m,)` how far they moved.
         reach_mm: What is near.
     """
-    moved = np.flatnonzero(displacement_mm > _MOVED_MM)[::_EVERY]
+    moved = np.flatnonzero(displacement_mm > _MOVED_MM)
     if len(moved) == 0:
         return 0.0
+    moved = moved[:: 1 + len(moved) // _LOOKED_AT]
     if len(places) == 0:
         return float(displacement_mm.max())
     _, which = PointTree(places).nearest(np.ascontiguousarray(xyz[moved]), _NEIGHBOURS, reach_mm)

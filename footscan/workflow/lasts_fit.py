@@ -1,7 +1,7 @@
 """Fitting lasts for a visit: a foot from disk, ranking, comparing, customising, and the files that leave."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -16,7 +16,7 @@ from footscan.foot.shell import mesh_from_shell
 from footscan.foot.surface_files import save_surface_stl
 from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.compare import Comparison
-from footscan.shoelast.custom_last import CustomLast, held_json
+from footscan.shoelast.custom_last import CustomLast, Smoothing, Smoothness, held_json
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
 from footscan.shoelast.model import Shoelast
@@ -28,6 +28,8 @@ from footscan.shoelast.top_line import TopLine
 from footscan.workflow.lasts_pictures import save_changed_picture, save_clearance_map, save_plan_picture
 from footscan.workflow.stored_foot import stored_subject
 
+UNSMOOTHED_FILE = "unsmoothed.json"
+"""Only when smoothing was asked for."""
 CUSTOM_FILES = (
     "custom.stl",
     "custom.json",
@@ -127,6 +129,8 @@ def save_custom(custom: CustomLast, folder: Path) -> SavedCustom:
     _empty(folder)
     save_surface_stl(mirrored_mesh(custom.skin.mesh(), side), folder / "custom.stl")
     save_last_json(custom.shoelast, folder / "custom.json")
+    if custom.smoothing is not None:
+        save_last_json(custom.smoothing.unsmoothed, folder / UNSMOOTHED_FILE)
     save_surface_stl(mirrored_mesh(mesh_from_shell(custom.posed.shell), side), folder / "foot_in_last.stl")
     content = custom_json(custom)
     write_whole(folder / "proof.json", (json.dumps(content, indent=1) + "\n").encode())
@@ -142,7 +146,7 @@ def save_custom(custom: CustomLast, folder: Path) -> SavedCustom:
 def _empty(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in CUSTOM_FILES:
+        for name in (*CUSTOM_FILES, UNSMOOTHED_FILE):
             (folder / name).unlink(missing_ok=True)
     except OSError as err:
         raise StorageError(f"{folder} cannot be used for results ({err.strerror}); choose another place.") from err
@@ -156,7 +160,7 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
     content = proof_json(
         replace(custom.proof, top_line=real, worst_at=mirrored(custom.proof.worst_at, side)), held_json(custom)
     )
-    smooth = {name: _plain(one) for name, one in vars(custom.smoothness).items()}
+    smooth = _smoothness_json(custom.smoothness)
     return content | {
         "last": custom.original.name,
         "side": side,
@@ -167,10 +171,7 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
         "registration": vars(custom.registration),
         "insole_mm": vars(custom.posed.stack),
         "bend_changes": custom.posed.changes,
-        "dimensions": {
-            name: {"before": before, "after": after, "unit": unit}
-            for name, (before, after, unit) in custom.dimensions.items()
-        },
+        "dimensions": _dimensions_json(custom.dimensions),
         "displacement_mm": {
             "least": float(custom.displacement_mm.min()),
             "most": float(custom.displacement_mm.max()),
@@ -182,8 +183,29 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
         "seen_share": custom.seen_share,
         "mesh": {"triangles": len(custom.skin.faces), "chord_error_mm": custom.chord_error_mm},
         "smoothness": smooth,
+        "smoothing": None if custom.smoothing is None else _smoothing_json(custom.smoothing),
         "unmet": list(custom.unmet),
         "remarks": list(custom.remarks),
+    }
+
+
+def _dimensions_json(dimensions: Mapping[str, tuple[float, float, str]]) -> dict[str, Any]:
+    return {
+        name: {"before": before, "after": after, "unit": unit} for name, (before, after, unit) in dimensions.items()
+    }
+
+
+def _smoothness_json(smoothness: Smoothness) -> dict[str, Any]:
+    return {name: _plain(one) for name, one in vars(smoothness).items()}
+
+
+def _smoothing_json(smoothing: Smoothing) -> dict[str, Any]:
+    return {
+        "limit_mm": smoothing.limit_mm,
+        "most_mm": smoothing.most_mm,
+        "variation": list(smoothing.variation),
+        "before": _smoothness_json(smoothing.before),
+        "dimensions": _dimensions_json(smoothing.dimensions),
     }
 
 

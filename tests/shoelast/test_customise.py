@@ -1,11 +1,15 @@
 """A customised last holds the foot, changes nothing beyond its transition, and refuses what cannot be made to fit."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy import spatial
 
+from footscan.coordinates import Bools, Floats
 from footscan.errors import InputError, QualityError
+from footscan.foot.nurbs import clamped_knots, greville
 from footscan.shoelast.chart import bending_matrix, build_chart, project
 from footscan.shoelast.compare import compare, compare_lasts
 from footscan.shoelast.custom_last import CustomLast
@@ -13,6 +17,7 @@ from footscan.shoelast.custom_report import plain_maximum_energy
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.model import Shoelast
+from footscan.shoelast.net import interpolate_tube
 from footscan.shoelast.nets import coarse_space, refined
 from footscan.shoelast.pins import Pin
 from footscan.shoelast.pose import moved
@@ -45,6 +50,27 @@ def test_no_seen_skin_stands_out_of_the_final_mesh(custom: CustomLast):
     assert custom.proof.holds
 
 
+def inside_by_parity(triangles: Floats, points: Floats) -> Bools:
+    """Whether an odd number of triangles lies above each point; slice by slice along x."""
+    corner = np.asarray(triangles)
+    low, high = corner[:, :, 0].min(axis=1), corner[:, :, 0].max(axis=1)
+    inside = np.zeros(len(points), dtype=np.bool_)
+    for left in np.arange(points[:, 0].min(), points[:, 0].max() + 2.0, 2.0):
+        here = np.flatnonzero((points[:, 0] >= left) & (points[:, 0] < left + 2.0))
+        near = corner[(high >= left) & (low <= left + 2.0)]
+        a, b, c = (near[:, k] for k in range(3))
+        p = points[here][:, None]
+
+        def twice(q: Floats, r: Floats, s: Floats) -> Floats:
+            return (r[..., 0] - q[..., 0]) * (s[..., 1] - q[..., 1]) - (r[..., 1] - q[..., 1]) * (s[..., 0] - q[..., 0])
+
+        w = np.stack([twice(p, b, c), twice(a, p, c), twice(a, b, p)], axis=-1)
+        over = (w > 0.0).all(axis=-1) | (w < 0.0).all(axis=-1)
+        z = (w * near[None, :, :, 2]).sum(axis=-1) / np.where(over, w.sum(axis=-1), 1.0)
+        inside[here] = (over & (z > p[..., 2])).sum(axis=1) % 2 == 1
+    return inside
+
+
 def test_an_independent_look_at_the_mesh_agrees(custom: CustomLast):
     mesh, shell, line = custom.skin.mesh(), custom.posed.shell, custom.proof.top_line
     seen = np.unique(shell.faces[custom.posed.foot.face_seen])
@@ -54,7 +80,7 @@ def test_an_independent_look_at_the_mesh_agrees(custom: CustomLast):
     judged = (xyz[:, 2] > edge[::4][nearest, 2] + 0.3) & ((xyz - line.origin) @ line.normal < 0.0)
     some = xyz[judged][:: max(1, int(judged.sum()) // 800)]
 
-    inside = mesh.ray.contains_points(some + 1e-6)
+    inside = inside_by_parity(mesh.triangles, some + 1e-6)
 
     near = np.linalg.norm(mesh.vertices[None] - some[~inside][:, None], axis=2).min(axis=1, initial=np.inf)
     assert len(some) > 300
@@ -83,9 +109,9 @@ def test_beyond_the_transition_nothing_moves(custom: CustomLast):
         places = np.vstack([places, before[edge][off[edge] > 0.01]])
 
     sides = np.arange(len(custom.skin.uv))
-    gap = np.full(len(sides), np.inf)
-    for k in range(0, len(places), 400):
-        gap = np.minimum(gap, np.linalg.norm(before[sides, None] - places[None, k : k + 400], axis=2).min(axis=1))
+    kd_tree: Any = spatial.KDTree
+    gap = np.asarray(kd_tree(places).query(before[sides])[0])
+
     assert off[sides][gap > custom.transition_mm + 4.0].max(initial=0.0) < 0.01
 
 
@@ -182,13 +208,45 @@ def test_only_seen_skin_counts_in_a_comparison(shoelast: Shoelast, foot: Prepare
     assert found.unseen is not None
 
 
-def test_a_wanted_girth_is_met_and_the_foot_still_held(shoelast: Shoelast, foot: PreparedFoot):
+@pytest.fixture(scope="module")
+def smoothed(shoelast: Shoelast, foot: PreparedFoot) -> CustomLast:
     wanted = {"ball_girth": 258.0}
+    return customise(shoelast, foot, "therapeutic", CustomSettings(transition_mm=20.0, girths_mm=wanted, smooth_mm=0.3))
 
-    made = customise(shoelast, foot, "therapeutic", CustomSettings(transition_mm=20.0, girths_mm=wanted))
 
-    assert made.dimensions["ball_girth"][1] == pytest.approx(258.0, abs=1.5)
-    assert made.proof.holds
+def test_a_wanted_girth_is_met_and_the_foot_still_held(smoothed: CustomLast):
+    assert smoothed.dimensions["ball_girth"][1] == pytest.approx(258.0, abs=1.5)
+    assert smoothed.proof.holds
+
+
+def test_smoothing_makes_a_copy_fairer_within_its_limit_and_keeps_what_was_held(smoothed: CustomLast):
+    done = smoothed.smoothing
+
+    assert done is not None
+    assert done.variation[1] < 0.8 * done.variation[0]
+    assert 0.01 < done.most_mm < 1.3 * done.limit_mm
+    assert all(one.kept for one in smoothed.held.values())
+    assert smoothed.outside_mm < 0.01
+    assert np.abs(done.unsmoothed.upper.net_mm - smoothed.shoelast.upper.net_mm)[[0, -1]].max() < 1e-9
+
+
+def test_a_bend_in_one_direction_costs_what_it_bends_and_how_fast_that_changes():
+    """On a tube of radius R the field cos(2 pi k u) has the squared Hessian (k / R)^4 / 2 on average."""
+    count, radius, height, waves = 96, 40.0, 60.0, 3
+    u = np.arange(count) / count
+    ring = np.column_stack([radius * np.cos(2 * np.pi * u), radius * np.sin(2 * np.pi * u), 0.0 * u])
+    knots = clamped_knots(np.linspace(0.0, 1.0, 9))
+    rows = [ring + np.array([0.0, 0.0, height * v]) for v in greville(knots)]
+    tube = interpolate_tube(np.array(rows), knots)
+    field = interpolate_tube(np.tile(np.cos(2 * np.pi * waves * u)[None, :, None], (len(rows), 1, 3)), knots)
+    c = field.net_mm[..., 0].ravel()
+
+    bend = c @ (bending_matrix(tube) @ c)
+    change = c @ (bending_matrix(tube, 1.0) @ c) - bend
+
+    area, rate = 2.0 * np.pi * radius * height, waves / radius
+    assert bend == pytest.approx(0.5 * area * rate**4, rel=0.01)
+    assert change == pytest.approx(0.5 * area * rate**6, rel=0.02)
 
 
 def test_an_unknown_girth_is_refused(shoelast: Shoelast, foot: PreparedFoot):

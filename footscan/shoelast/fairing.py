@@ -1,0 +1,72 @@
+"""Smoothing a customised last on a copy: as fair as it can be within some tenths of a millimetre, conditions kept."""
+
+from typing import Any
+
+import numpy as np
+from scipy import sparse as scipy_sparse
+
+from footscan.coordinates import Bools, Floats, Ints
+from footscan.shoelast.asked import Asked
+from footscan.shoelast.chart import Sparse, bending_matrix
+from footscan.shoelast.custom_last import Smoothing
+from footscan.shoelast.custom_report import find_dimensions, find_smoothness
+from footscan.shoelast.custom_result import Displaced
+from footscan.shoelast.dimensions import with_points_and_lines
+from footscan.shoelast.fit_case import FitCase
+from footscan.shoelast.obstacle import Rows, find_unknowns, solve_smoothest
+
+sparse: Any = scipy_sparse
+MOST_SMOOTH_MM = 3.0
+RISE_FAIR_SHARE, _FAIR_SHARE = 0.1, 0.4
+"""Bends shorter than this share of the transition length cost most: in later rises, and when smoothing."""
+
+
+def fair_energy(case: FitCase, share: float, moving: Bools) -> Sparse:
+    """Bending energy, and that of its change along the surface, where the coefficients `(n_v, n_u)` act."""
+    return bending_matrix(case.chart.tube, share * case.transition_mm, moving)
+
+
+def faired(case: FitCase, asked: Asked, coefficients: Floats, free: Bools, fine: Ints) -> Floats:
+    """The fairest displacement near one that is there.
+
+    Every condition of the one that is there holds for the new one, or is missed no further: what the foot needs, what
+    the last may lose, the feather edge, back line and cone edge, and the transition length.
+
+    Args:
+        case: Last and foot.
+        asked: What is asked of the displacement; its pulls are wishes that smoothing should not undo.
+        coefficients: `(n_v, n_u)` the displacement.
+        free: `(n_v, n_u)` coefficients that may change.
+        fine: Coefficients of the fine net that it makes use of.
+
+    Returns:
+        `(n_v, n_u)`; none of them is further than the settings' limit from those that were there.
+    """
+    limit_mm = case.settings.smooth_mm
+    none = np.full(case.chart.shape, -np.inf)
+    unknowns = find_unknowns(free, coefficients, none, case.coarse, asked.wanted, fine)
+    now = coefficients.ravel()
+    kept = [Rows(row.matrix, np.minimum(row.right, row.matrix @ now)) for row in asked.rows]
+    moving = np.flatnonzero(np.asarray(abs(unknowns.spread).sum(axis=1)).ravel() > 0.0)
+    one: Sparse = sparse.identity(len(now), format="csr")[moving]
+    least = np.maximum(now - limit_mm, np.minimum(asked.least.ravel(), now))[moving]
+    kept += [Rows(one, least), Rows(-one, -(now + limit_mm)[moving])]
+    found = solve_smoothest(fair_energy(case, _FAIR_SHARE, free), unknowns, kept, list(asked.pulls))
+    return unknowns.coefficients(found, case.chart.shape)
+
+
+def smoothing_of(case: FitCase, plain: Displaced, smooth: Displaced, limit_mm: float) -> Smoothing:
+    """What smoothing changed."""
+    before, after = with_points_and_lines(plain.shoelast), with_points_and_lines(smooth.shoelast)
+    variation = bending_matrix(case.chart.tube, 1.0) - case.energy
+    first, second = (
+        float(state.coefficients.ravel() @ (variation @ state.coefficients.ravel())) for state in (plain, smooth)
+    )
+    return Smoothing(
+        limit_mm=limit_mm,
+        most_mm=float(np.linalg.norm(smooth.skin.xyz_shoelast - plain.skin.xyz_shoelast, axis=1).max()),
+        variation=(first, second),
+        before=find_smoothness(case.chart, case.energy, plain.coefficients, case.shoelast, before),
+        dimensions=find_dimensions(before, after),
+        unsmoothed=before,
+    )
