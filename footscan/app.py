@@ -1,9 +1,14 @@
-"""The only module that chooses real, emulated or simulated devices, by what a rig file says."""
+"""The only module that chooses real, emulated or simulated devices, by what a rig file says.
 
-from collections.abc import Iterator
+What only one kind of rig needs (emulators, drivers, the drill) is imported where it is chosen: the page waits for this
+module.
+"""
+
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,20 +27,15 @@ from footscan.config.device_models import (
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.devices.clock import Clock, MonotonicClock
-from footscan.devices.diagnosis import Finding
-from footscan.devices.drivers import open_camera, open_encoder, open_io
 from footscan.devices.pictures import View
 from footscan.devices.protocols import Camera, DigitalIo, Encoder
-from footscan.devices.v4l2_camera import OpenCapture, open_capture
 from footscan.errors import ConfigError
 from footscan.optics.calibration import Calibration
+from footscan.optics.tables import build_tables
 from footscan.scanning.session.control import RigDevices, Session, SessionSetup, drive_of
 from footscan.sim.calibration_run import stand_board
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder
-from footscan.sim.emulators.capture import Abilities
-from footscan.sim.emulators.emulated_rig import EmulatedRig
-from footscan.sim.emulators.server import RemoteCapture
 from footscan.sim.machine import TrueMachine, ideal_machine, workshop_machine
 from footscan.sim.module_twin import MirroredModule
 from footscan.sim.objects import build_object
@@ -43,11 +43,16 @@ from footscan.sim.obstacles import build_obstacle
 from footscan.sim.person import CALM, RESTLESS, STATUE, PersonSettings
 from footscan.sim.standing import BoardStanding, Standing
 from footscan.sim.world import World, WorldSettings
-from footscan.workflow.doctor import examine_drivers, examine_open_devices
-from footscan.workflow.drill import Drill
 from footscan.workflow.opened_rig import OpenedRig
-from footscan.workflow.process import build_tables
-from footscan.workflow.served_rig import ServedRig, served_rig
+
+if TYPE_CHECKING:
+    from footscan.devices.diagnosis import Finding
+    from footscan.devices.v4l2_camera import OpenCapture
+    from footscan.sim.emulators.emulated_rig import EmulatedRig
+    from footscan.workflow.drill import Drill
+    from footscan.workflow.served_rig import ServedRig
+
+    ChooseCapture = Callable[[], OpenCapture]
 
 _PERSONS: dict[str, PersonSettings] = {"statue": STATUE, "calm": CALM, "restless": RESTLESS}
 _HOME_PLAY_RAD = np.deg2rad(0.3)
@@ -68,15 +73,18 @@ def open_rig(rig: Rig, side: Side = "left") -> OpenedRig:
     if model is None:
         with ExitStack() as opening:
             return OpenedRig(
-                rig, _open_devices(rig, rig.devices, clock, None, capture_opener(rig), opening), None, None
+                rig, _open_devices(rig, rig.devices, clock, None, lambda: capture_opener(rig), opening), None, None
             )
     world = build_world(rig, side, clock)
     with ExitStack() as opening:
-        emulated = EmulatedRig(world, rig.devices, rig.motion.frames_per_s) if rig.devices.emulated else None
+        emulated = _emulated(rig, world) if rig.devices.emulated else None
         if emulated is not None:
             opening.callback(emulated.close)
         models = rig.devices if emulated is None else emulated.devices
-        opener = capture_opener(rig) if emulated is None or emulated.camera is None else emulated.open_capture
+
+        def opener() -> "OpenCapture":
+            return capture_opener(rig) if emulated is None or emulated.camera is None else emulated.open_capture
+
         devices = _open_devices(rig, models, clock, world, opener, opening)
         give_back = (lambda: None) if emulated is None else emulated.close
         return OpenedRig(
@@ -96,17 +104,25 @@ def _clock(model: WorldModel | None) -> Clock:
     return VirtualClock(pace=model.pace if model.time == "paced" else None)
 
 
-def emulators(rig: Rig) -> EmulatedRig:
+def emulators(rig: Rig) -> "EmulatedRig":
     """The emulators of a rig alone, switched on: whoever looks at them opens their ports.
 
     Raises:
         ConfigError: The rig has no world they could live in.
     """
-    return EmulatedRig(build_world(rig, "left", MonotonicClock()), rig.devices, rig.motion.frames_per_s)
+    return _emulated(rig, build_world(rig, "left", MonotonicClock()))
 
 
-def examine_devices(rig: Rig) -> Iterator[Finding]:
+def _emulated(rig: Rig, world: World) -> "EmulatedRig":
+    from footscan.sim.emulators.emulated_rig import EmulatedRig
+
+    return EmulatedRig(world, rig.devices, rig.motion.frames_per_s)
+
+
+def examine_devices(rig: Rig) -> "Iterator[Finding]":
     """Every device of a rig that nothing else has open, in words; lasers and motor stay off."""
+    from footscan.workflow.doctor import examine_drivers, examine_open_devices
+
     if rig.devices.emulated:
         with closing(emulators(rig)) as emulated:
             yield from examine_drivers(emulated.devices, rig, camera_view(rig), emulated.open_capture)
@@ -118,12 +134,14 @@ def examine_devices(rig: Rig) -> Iterator[Finding]:
             yield from examine_open_devices(opened.devices, rig.motion.frames_per_s)
 
 
-def build_drill(rig: Rig, seed: int, folder: Path) -> Drill:
+def build_drill(rig: Rig, seed: int, folder: Path) -> "Drill":
     """A drill of a simulated or emulated machine in a folder of its own.
 
     Raises:
         ConfigError: A real machine; nobody breaks that on purpose.
     """
+    from footscan.workflow.drill import Drill
+
     if rig.devices.world is None:
         raise ConfigError(f"{rig.path} is a real machine; the drill breaks simulated and emulated ones only.")
     if not rig.devices.emulated:
@@ -134,18 +152,24 @@ def build_drill(rig: Rig, seed: int, folder: Path) -> Drill:
     return Drill(rig, open_rig, serve_emulators, setup, seed, folder)
 
 
-def serve_emulators(rig: Rig, folder: Path) -> AbstractContextManager[ServedRig]:
+def serve_emulators(rig: Rig, folder: Path) -> "AbstractContextManager[ServedRig]":
     """The emulators of a rig behind fixed links in a folder, for another program.
 
     Raises:
         ConfigError: Nothing in the rig is emulated, or something in it is simulated.
         StorageError: The folder cannot hold links and sockets.
     """
+    from footscan.workflow.served_rig import served_rig
+
     return served_rig(rig, build_world(rig, "left", MonotonicClock()), folder)
 
 
-def capture_opener(rig: Rig) -> OpenCapture:
+def capture_opener(rig: Rig) -> "OpenCapture":
     """What opens a rig's V4L2 camera: OpenCV, or a client of the emulated one that `footscan emulate` serves."""
+    from footscan.devices.v4l2_camera import open_capture
+    from footscan.sim.emulators.capture import Abilities
+    from footscan.sim.emulators.server import RemoteCapture
+
     camera = rig.devices.camera
     if not isinstance(camera, V4l2CameraModel) or not Path(camera.path).is_socket():
         return open_capture
@@ -161,7 +185,12 @@ def camera_view(rig: Rig) -> View:
 
 
 def _open_devices(
-    rig: Rig, models: DevicesModel, clock: Clock, world: World | None, opener: OpenCapture, opening: ExitStack
+    rig: Rig,
+    models: DevicesModel,
+    clock: Clock,
+    world: World | None,
+    opener: "ChooseCapture",
+    opening: ExitStack,
 ) -> RigDevices:
     camera = _open_camera(rig, models.camera, world, opener)
     opening.callback(camera.close)
@@ -172,9 +201,11 @@ def _open_devices(
     return RigDevices(camera, encoder, io, clock)
 
 
-def _open_camera(rig: Rig, model: CameraModels, world: World | None, opener: OpenCapture) -> Camera:
+def _open_camera(rig: Rig, model: CameraModels, world: World | None, opener: "ChooseCapture") -> Camera:
     if not isinstance(model, SimulatedCamera):
-        return open_camera(model, camera_view(rig), opener)
+        from footscan.devices.drivers import open_camera
+
+        return open_camera(model, camera_view(rig), opener())
     assert world is not None
     camera = SimCamera(world, rig.motion.frames_per_s, model.exposure_s)
     camera.warm_up()
@@ -183,6 +214,8 @@ def _open_camera(rig: Rig, model: CameraModels, world: World | None, opener: Ope
 
 def _open_encoder(model: EncoderModels, world: World | None) -> Encoder:
     if not isinstance(model, SimulatedEncoder):
+        from footscan.devices.drivers import open_encoder
+
         return open_encoder(model)
     assert world is not None
     return SimEncoder(world, model.samples_per_s)
@@ -190,6 +223,8 @@ def _open_encoder(model: EncoderModels, world: World | None) -> Encoder:
 
 def _open_io(rig: Rig, model: IoModels, world: World | None) -> DigitalIo:
     if not isinstance(model, SimulatedIo):
+        from footscan.devices.drivers import open_io
+
         return open_io(model)
     assert world is not None
     return SimDigitalIo(world, 0.5 * rig.motion.switching_s)

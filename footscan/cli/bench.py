@@ -12,10 +12,11 @@ from rich.table import Table
 from footscan import app as rig_app
 from footscan.cli.bench_page import bench_page_command
 from footscan.cli.console import STDERR, STDOUT, print_json
-from footscan.cli.scan import chosen_rig
+from footscan.cli.rig_option import chosen_rig
 from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
+from footscan.optics.tables import build_tables
 from footscan.scanning.session.control import SessionSetup
 from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN
 from footscan.workflow import (
@@ -28,7 +29,6 @@ from footscan.workflow import (
     stripe_bench,
 )
 from footscan.workflow.designs import builtin_scanner
-from footscan.workflow.process import build_tables
 from footscan.workflow.simulate import simulate_board
 
 bench_app = typer.Typer(help="Speed and accuracy beside a baseline measured in the same run.", no_args_is_help=True)

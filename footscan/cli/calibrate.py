@@ -12,7 +12,7 @@ from footscan.calibration.renew import PARTS
 from footscan.cli.body_rig import record_body
 from footscan.cli.calibrate_rig import GuidedChoices, record_guided
 from footscan.cli.console import STDOUT, print_json, progress_bar
-from footscan.cli.scan import chosen_rig
+from footscan.cli.rig_option import chosen_rig
 from footscan.config import Board, board_toml, load_calibration, load_calibration_record
 from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, QualityError

@@ -12,7 +12,7 @@ from footscan.calibration.alignment import Alignment
 from footscan.cli.body_rig import record_body
 from footscan.cli.calibrate_rig import GuidedChoices, record_one_placement
 from footscan.cli.console import STDOUT, print_json, progress_bar
-from footscan.cli.scan import chosen_rig
+from footscan.cli.rig_option import chosen_rig
 from footscan.config import Board, load_board, load_calibration
 from footscan.config.rig_file import load_rig
 from footscan.errors import InputError, QualityError

@@ -7,7 +7,7 @@ import typer
 from footscan import app as rig_app
 from footscan.cli.console import STDOUT, print_json
 from footscan.cli.records_options import DataOption
-from footscan.cli.scan import RigOption, chosen_rig
+from footscan.cli.rig_option import RigOption, chosen_rig
 from footscan.devices.diagnosis import Finding
 from footscan.errors import DeviceError
 from footscan.records.data_folder import SCANS, data_folder

@@ -10,13 +10,13 @@ from rich.table import Table
 from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT
 from footscan.cli.drill_records import drill_records_command
-from footscan.cli.scan import RigOption, chosen_rig
+from footscan.cli.rig_option import RigOption, chosen_rig
 from footscan.config.rig_file import Rig
 from footscan.errors import ConfigError, QualityError
+from footscan.optics.tables import build_tables
 from footscan.scanning.session.control import SessionSetup
 from footscan.workflow.drill import CASES, EMULATED_CASES, Drill, cases_of
 from footscan.workflow.drill_result import DrillResult
-from footscan.workflow.process import build_tables
 
 _KNOWN = tuple(dict.fromkeys((*CASES, *EMULATED_CASES)))
 

@@ -4,7 +4,6 @@ import shlex
 import signal
 from collections.abc import Generator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,11 +14,12 @@ from footscan import app as rig_app
 from footscan.cli.console import STDERR, STDOUT, print_json, progress_bar
 from footscan.cli.process import tell_results
 from footscan.cli.records_options import DataOption, opened_store, person
+from footscan.cli.rig_option import RigOption, chosen_rig
 from footscan.config import Subject, load_calibration
 from footscan.config.io_models import AdamModel
 from footscan.config.recording_file import Load
 from footscan.config.recording_file import Surface as CoverKind
-from footscan.config.rig_file import Rig, load_rig
+from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.errors import ConfigError, FootscanError, InputError, InterlockError, QualityError
 from footscan.optics.calibration import Calibration
@@ -28,7 +28,6 @@ from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.calibration_log import doubts, machine_name, read_log
-from footscan.workflow.designs import builtin_rig
 from footscan.workflow.opened_rig import OpenedRig
 from footscan.workflow.process import ProcessSettings
 from footscan.workflow.scan import (
@@ -47,7 +46,6 @@ from footscan.workflow.scan import (
 from footscan.workflow.visit import Filing, file_scan
 
 FACES = "Is nobody's face at beam height, and may the lasers and the motor be switched on?"
-RigOption = Annotated[Path | None, typer.Option(help="Rig file; default: the simulated machine.")]
 
 
 def scan_command(
@@ -126,24 +124,6 @@ def _what_is_kept(folder: Path) -> Generator[None]:
         if any((folder / RECORDING / "frames").glob("*.png")):
             STDERR.print(f"What was captured is in {folder}; measure it with: {shlex.join(process_words(folder))}")
         raise
-
-
-def chosen_rig(path: Path | None, fast: bool) -> Rig:
-    """The rig of a file, or the simulated one.
-
-    Raises:
-        ConfigError: A damaged file.
-        InputError: A real machine cannot be hurried.
-    """
-    rig = load_rig(path) if path is not None else builtin_rig()
-    if not fast:
-        return rig
-    if rig.devices.world is None:
-        raise InputError("--fast is for the simulated machine; a real one needs its time.")
-    if rig.devices.emulated:
-        raise InputError("--fast is for simulated devices; emulated ones speak over wires, which need their time.")
-    world = rig.devices.world.model_copy(update={"time": "fast"})
-    return replace(rig, devices=rig.devices.model_copy(update={"world": world}))
 
 
 @contextmanager

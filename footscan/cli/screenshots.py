@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from footscan.cli.console import STDERR, STDOUT
-from footscan.cli.scan import chosen_rig
+from footscan.cli.rig_option import chosen_rig
 from footscan.cli.served import paced
 
 _PACE = 3.0

@@ -35,7 +35,10 @@ def serve(
         STDOUT.print(f"footscan is at {url}{'' if check else '  (Ctrl-C ends it)'}")
         if not no_browser and not check and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             webbrowser.open(url)
-        from footscan.cli.served import Wishes, serve_wished  # noqa: PLC0415
+        from footscan.gui.readiness import hurried  # noqa: PLC0415
+
+        with hurried():
+            from footscan.cli.served import Wishes, serve_wished  # noqa: PLC0415
 
         serve_wished(server, address, Wishes(rig, data, demo, check))
     STDOUT.print("ended; lasers and motor are off.")

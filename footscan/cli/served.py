@@ -6,7 +6,7 @@ from pathlib import Path
 import viser
 
 from footscan.cli.console import STDERR, STDOUT
-from footscan.cli.scan import chosen_rig
+from footscan.cli.rig_option import chosen_rig
 from footscan.compiled import announce_compilation
 from footscan.config.rig_file import Rig
 from footscan.gui.door import Address
@@ -30,17 +30,19 @@ def serve_wished(server: viser.ViserServer, address: Address, wishes: Wishes) ->
     """Open machine and records and serve, or look whether the page stands.
 
     Raises:
-        FootscanError: As `open_station`; a page that does not stand.
+        FootscanError: As `page_behind`; a page that does not stand.
     """
     rig, folder = paced(chosen_rig(wishes.rig, fast=False)), data_folder(wishes.data)
-    if wishes.demo:
-        with RecordStore(folder) as store:
-            add_demo_patients(store)
+    fill = add_demo_patients if wishes.demo else _nobody
     with announce_compilation(STDERR.print):
         if wishes.check:
-            check_behind(server, rig, folder, address, STDOUT.print)
+            check_behind(server, rig, folder, fill, address, STDOUT.print)
         else:
-            serve_behind(server, rig, folder)
+            serve_behind(server, rig, folder, fill)
+
+
+def _nobody(store: RecordStore) -> None:
+    """The records stay as they are."""
 
 
 def paced(rig: Rig) -> Rig:

@@ -11,6 +11,6 @@
 | `live_picture`, `view_foot`, `inspected`, `measurement_tables` | what is drawn and written |
 | `heartbeat`, `logbook` | the watch over the browser; what happened |
 | `page`, `panel_*`, `tab_*` | the frame; one file per part of it (`tab`: what a tab is) |
-| `serve`, `self_check` | from start to end; whether it stands |
+| `serve`, `readiness`, `self_check` | from start to end; what is loaded later; whether it stands |
 | `headless`, `visitor`, `screenshots`, `page_bench` | a browser without a window: checks, pictures, timings |
 """

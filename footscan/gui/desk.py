@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from footscan.errors import CancelledError, FootscanError
 from footscan.gui import texts
+from footscan.gui.readiness import tidy_memory
 from footscan.gui.state import Job, PageState
 
 Command = Callable[[], None]
@@ -37,8 +38,8 @@ class Desk:
         self._cancelled = threading.Event()
         self._stop_job: Command = lambda: None
         self._threads = [
-            threading.Thread(name="desk", target=self._work, args=(self._commands,), daemon=True),
-            threading.Thread(name="jobs", target=self._work, args=(self._jobs,), daemon=True),
+            threading.Thread(name="desk", target=self._work, args=(self._commands, lambda: None), daemon=True),
+            threading.Thread(name="jobs", target=self._work, args=(self._jobs, tidy_memory), daemon=True),
         ]
 
     def start(self) -> None:
@@ -145,7 +146,7 @@ class Desk:
         else:
             failed(err)
 
-    def _work(self, waiting: "queue.Queue[Command | None]") -> None:
+    def _work(self, waiting: "queue.Queue[Command | None]", afterwards: Command) -> None:
         while (command := waiting.get()) is not None:
             try:
                 command()
@@ -154,3 +155,5 @@ class Desk:
             except Exception as err:  # noqa: BLE001 - one command must not end the page
                 _LOG.exception("command of the page")
                 self.say(texts.FAILED, texts.INTERNAL.format(what=type(err).__name__), wrong=True)
+            command = None  # what it made may be large
+            afterwards()

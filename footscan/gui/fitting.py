@@ -1,24 +1,22 @@
 """What the Last tab works with: lasts ranked for a foot, one laid round it, one customised; no browser here."""
 
-from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.errors import InputError
 from footscan.gui.inspected import InspectedFoot
+from footscan.gui.last_choice import FittedLast
 from footscan.scanning.sweep import Progress
-from footscan.shoelast.compare import Comparison, compare
+from footscan.shoelast.compare import compare
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.last_library import LastLibrary
-from footscan.shoelast.model import Shoelast
 from footscan.shoelast.pins import Pin
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.rank import Ranked, rank
-from footscan.shoelast.skin import LastSkin, Sampling, skin_of
+from footscan.shoelast.skin import Sampling, skin_of
 from footscan.shoelast.top_line import FeatherLine
 from footscan.workflow.lasts_clearance import skin_clearance
 
@@ -26,57 +24,6 @@ LASTS = "lasts"
 BEST = 12
 """So many of a ranking are shown."""
 _SHOWN_SAMPLING = Sampling(240, 80, 20)
-
-LastShown = Literal["Last round the foot", "Clearance map", "Changed areas"]
-
-
-@dataclass(frozen=True)
-class FittedLast:
-    """A foot laid into a last.
-
-    Attributes:
-        last_id: In the library.
-        shoelast: The last.
-        skin: Its mesh, coarse enough for a browser.
-        comparison: Room by region, girths.
-        clearance_mm: `(n,)` at the vertices of the posed foot; NaN where nothing is judged.
-    """
-
-    last_id: str
-    shoelast: Shoelast
-    skin: LastSkin
-    comparison: Comparison
-    clearance_mm: Floats
-
-
-@dataclass(frozen=True)
-class LastChoice:
-    """Where the Last tab has got to.
-
-    Attributes:
-        take_id: Of the foot; None for the one in use.
-        profile: How much room.
-        ranking: The best lasts, best first.
-        last_id: Chosen.
-        shown: What the 3-D view shows.
-        fitted: The chosen last round the foot.
-        pins: Spot allowances.
-        custom: The customised last.
-    """
-
-    take_id: int | None = None
-    profile: str = "therapeutic"
-    ranking: tuple[Ranked, ...] = ()
-    last_id: str = ""
-    shown: LastShown = "Last round the foot"
-    fitted: FittedLast | None = None
-    pins: tuple[Pin, ...] = ()
-    custom: CustomLast | None = None
-    thumbnail: bytes = field(default=b"", repr=False)
-
-    def without_last(self, **values: object) -> "LastChoice":
-        """The same foot and profile, nothing fitted or made yet."""
-        return replace(self, fitted=None, custom=None, **values)  # type: ignore[arg-type]
 
 
 class Fitting:

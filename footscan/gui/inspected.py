@@ -1,25 +1,27 @@
 """A foot as the Inspect tab looks at it: mesh with its classes, shell for cuts, axis, measurements, files."""
 
+from __future__ import annotations
+
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-import trimesh
 
 from footscan.config.recording_file import Subject
 from footscan.coordinates import Floats
 from footscan.errors import InputError
-from footscan.foot.measurements import measurements_json
-from footscan.foot.sections import Section, measure_cut, plane_axes
-from footscan.foot.shell import Shell, shell_from_mesh
-from footscan.foot.surface_files import load_surface_ply
 from footscan.gui import texts
 from footscan.gui.station import Station
 from footscan.records import Take
-from footscan.scanning.point_file import load_bare_board, load_points
-from footscan.workflow.foot import FootSettings, measure_scan
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from footscan.foot.sections import Section
+    from footscan.foot.shell import Shell
+    from footscan.workflow.foot import FootSettings
 
 _HEIGHT_MM = 30.0
 """Above the board: where a tilted plane turns about."""
@@ -71,6 +73,9 @@ def open_foot(station: Station, take: Take) -> InspectedFoot:
     Raises:
         InputError: It has no measured foot, or its files are damaged.
     """
+    from footscan.foot.shell import shell_from_mesh
+    from footscan.foot.surface_files import load_surface_ply
+
     if take.result is None or take.result.refused:
         raise InputError(f"take {take.id} has no measured foot; measure it again, or choose another take.")
     folder = station.store.results_folder(take.result.id)
@@ -91,6 +96,11 @@ def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
         InputError: The files of the take are damaged.
         MeshError: The points are no foot any more.
     """
+    from footscan.foot.measurements import measurements_json
+    from footscan.foot.shell import shell_from_mesh
+    from footscan.scanning.point_file import load_bare_board, load_points
+    from footscan.workflow.foot import measure_scan
+
     take = foot.take
     assert take.result is not None
     cloud = load_points(foot.folder / "points.ply")
@@ -123,6 +133,8 @@ def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) 
     Raises:
         MeshError: The plane misses the foot.
     """
+    from footscan.foot.sections import measure_cut
+
     turn, tilt = np.deg2rad([turn_deg, tilt_deg])
     normal_foot = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
     rotation, shift = foot.foot_from_world[:3, :3], foot.foot_from_world[:3, 3]
@@ -132,6 +144,8 @@ def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) 
 
 def outline_svg(section: Section, width_px: int = 330, height_px: int = 190) -> str:
     """The cut as a drawing, to scale, with a bar of 20 mm."""
+    from footscan.foot.sections import plane_axes
+
     axes = np.stack(plane_axes(section.normal), axis=1)
     lines = [(line - section.origin) @ axes for line in section.polylines]
     everything = np.concatenate(lines)

@@ -1,12 +1,17 @@
 """Tables of the Last tab: ranking, room by region, girths, proof, dimensions before and after."""
 
+from __future__ import annotations
+
 import html
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from footscan.gui import texts
-from footscan.shoelast.compare import Comparison
-from footscan.shoelast.custom_last import CustomLast
-from footscan.shoelast.rank import Ranked
+
+if TYPE_CHECKING:
+    from footscan.shoelast.compare import Comparison
+    from footscan.shoelast.custom_last import CustomLast
+    from footscan.shoelast.rank import Ranked
 
 _SHOWN_DIMENSIONS = (
     "stick_length", "ball_girth", "waist_girth", "instep_girth", "short_heel_girth", "ball_width", "heel_width",

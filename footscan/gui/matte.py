@@ -4,13 +4,15 @@ A GLB without a material is drawn as bare metal (glTF 2.0, 3.9.2: metallicFactor
 lamp shines; and its vertex colours are linear, not those of a screen (3.7.2.1).
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import trimesh
-from trimesh.exchange.gltf import export_glb
-from trimesh.visual import ColorVisuals
+
+if TYPE_CHECKING:
+    import trimesh
 
 _MATT = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.85}}
 
@@ -22,6 +24,10 @@ def matte_glb(mesh: trimesh.Trimesh, rgb: npt.NDArray[np.uint8]) -> bytes:
         mesh: Of n vertices, in the scene's metres.
         rgb: `(n, 3)` colours as a screen shows them.
     """
+    import trimesh
+    from trimesh.exchange.gltf import export_glb
+    from trimesh.visual import ColorVisuals
+
     drawn = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     alpha = np.full((len(rgb), 1), 255, np.uint8)
     drawn.visual = ColorVisuals(drawn, vertex_colors=np.hstack([_linear(rgb), alpha]))

@@ -6,7 +6,6 @@ import io
 from collections.abc import Mapping
 from typing import Any
 
-from footscan.foot.measurements import definitions
 from footscan.gui import texts
 
 _TABLE = '<table style="width:100%;text-align:left;font-size:12.5px;border-spacing:0 1px">{rows}</table>'
@@ -14,7 +13,7 @@ _TABLE = '<table style="width:100%;text-align:left;font-size:12.5px;border-spaci
 
 def measurement_table(measurements: Mapping[str, Mapping[str, Any]]) -> str:
     """All measurements with intervals and marks; the definition is shown on hover."""
-    meanings = definitions()
+    meanings = _definitions()
     rows = "".join(_row(name, value, meanings.get(name, "")) for name, value in measurements.items())
     return _TABLE.format(rows=texts.MEASURE_HEAD + rows) + f"<div>{texts.MEASURE_MARKS}</div>"
 
@@ -42,7 +41,7 @@ def measurements_csv(measurements: Mapping[str, Mapping[str, Any]]) -> bytes:
     stream = io.StringIO()
     writer = csv.writer(stream)
     writer.writerow(("name", "value", "unit", "from", "to", "reliable", "reason", "unusual", "definition"))
-    meanings = definitions()
+    meanings = _definitions()
     for name, value in measurements.items():
         low, high = value["interval"] or ("", "")
         number = "" if value["value"] is None else value["value"]
@@ -69,3 +68,9 @@ def _named(name: str) -> str:
         if name.endswith(ending):
             return f"{name.removesuffix(ending).replace('_', ' ')} ({unit})"
     return f"{name.replace('_', ' ')} (mm)"
+
+
+def _definitions() -> Mapping[str, str]:
+    from footscan.foot.measurements import definitions
+
+    return definitions()

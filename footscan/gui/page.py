@@ -16,6 +16,7 @@ from footscan.gui.keys import ANSWER_S, Keys
 from footscan.gui.logbook import Logbook
 from footscan.gui.panel_camera import CameraPanel
 from footscan.gui.panel_machine import MachinePanel
+from footscan.gui.readiness import Loader
 from footscan.gui.station import Station
 from footscan.gui.tab import Tab, Tools
 from footscan.gui.tab_calibrate import CalibrateTab
@@ -48,7 +49,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Page:
-    """Everything that is shown, over an open server and station; `start`, then `close`."""
+    """Everything that is shown, over an open server; `start` it once its station is open, then `close`."""
 
     def __init__(self, server: viser.ViserServer, station: Station, patience_s: float = PATIENCE_S) -> None:
         self.server, self.station = server, station
@@ -58,29 +59,32 @@ class Page:
         self._finished, self._news = threading.Event(), threading.Event()
         self._banners: dict[int, viser.GuiHtmlHandle] = {}
         self._buttons: dict[int, viser.GuiButtonHandle] = {}
-        self._built = False
+        self._open = False
         guard(server.gui, self._may, self._refused)  # before there is anything that could be pressed
         self._build()
-        self._built = True
         self._heartbeat = Heartbeat(station, self._holder, patience_s)
         self._ticker = threading.Thread(name="page", target=self._tick_on, daemon=True)
+        self._loader = Loader()
         server.on_client_connect(self._come)
         server.on_client_disconnect(self._go)
 
     def start(self) -> None:
-        """Show it, and keep it up to date."""
+        """The station is open: let people in, and keep everything up to date."""
+        self._open = True
         self.desk.start()
         self.desk.post(lambda: self.tools.patients.find(""))
         self._heartbeat.start()
         self._ticker.start()
+        self._loader.start()
 
     def close(self) -> None:
         """End all threads; the server and the station are closed by who opened them."""
         self.station.session.post_cancel(texts.CLOSING)
         self._finished.set()
         self._heartbeat.finish()
+        self._loader.finish()
         self.desk.close()
-        for thread in (self._ticker, self._heartbeat):
+        for thread in (self._ticker, self._heartbeat, self._loader):
             if thread.is_alive():
                 thread.join(5.0)
 
@@ -145,13 +149,14 @@ class Page:
 
     def _may(self, client: int, uuid: str) -> bool:
         """Whoever controls may use everything; STOP is for everybody."""
-        return self._built and (client == self.keys.holder or uuid == self.machine.stop._impl.uuid)  # pyright: ignore
+        return self._open and (client == self.keys.holder or uuid == self.machine.stop._impl.uuid)  # pyright: ignore
 
     def _refused(self, client: int, why: str) -> None:
         self.log.write(f"browser {client} sent what was not taken: {why}")
         handle = self.server.get_clients().get(client)
         if handle is not None:
-            body = texts.ONLY_WATCHING if why == "watching" else texts.REFUSED_VALUE
+            watching = texts.ONLY_WATCHING if self._open else texts.STILL_OPENING
+            body = watching if why == "watching" else texts.REFUSED_VALUE
             handle.add_notification(texts.FAILED, body, color="orange", auto_close_seconds=6.0)
 
     def _say(self, title: str, body: str, wrong: bool) -> None:

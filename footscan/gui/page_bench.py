@@ -1,7 +1,6 @@
 """How long the page takes, what it costs a scan, and whether it grows: measured in a real browser."""
 
 import os
-import re
 import resource
 import subprocess
 import sys
@@ -27,7 +26,16 @@ from footscan.scanning.session.states import FrameCount, LiveCount
 _WAIT_S = 600.0
 _PATIENCE_S = 1e6
 _IDLE_LOOKS = 10
-_CONTROLS, _FIRST_WORDS = re.compile("controls? the machine"), re.compile("footscan is starting|controls? the machine")
+_FIRST_WORDS = "() => /is starting|is being opened|controls? the machine/.test(document.body.innerText)"
+_EVERYTHING = """names => {
+  const has = role => [...document.querySelectorAll(role)].map(element => element.innerText.trim());
+  const tabs = has('[role=tab]'), buttons = has('button');
+  return names.tabs.every(name => tabs.includes(name)) && buttons.includes(names.stop)
+    && /[Cc]ontrols? the machine/.test(document.body.innerText)
+    && document.querySelector('[data-footscan=state]') != null;
+}"""
+"""Camera panel, all tabs, STOP, the state line of the open machine, and who controls: asked in one go, cheaply."""
+_POLL_MS = 30
 _LATENCY = """async ([key, wantsWhite]) => {
   const image = document.querySelector('img[src^="blob:"]');
   const canvas = document.createElement('canvas'); canvas.width = 96; canvas.height = 82;
@@ -56,25 +64,35 @@ class Start:
 
 
 def time_start(browser: Browser, repeats: int) -> Iterator[Start]:
-    """Start the command as a person does, and look until the page says who controls."""
-    for _ in range(repeats):
-        with tempfile.TemporaryDirectory() as data:
-            words = [sys.executable, "-m", "footscan.cli.main", "serve", "--port", "0", "--data", data, "--no-browser"]
-            begun_s = time.perf_counter()
-            with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as served:
-                try:
-                    url = _url_said(served)
-                    address_s = time.perf_counter() - begun_s
-                    tab = browser.new_page()
-                    tab.goto(url)
-                    tab.get_by_text(_FIRST_WORDS).first.wait_for()
-                    words_s = time.perf_counter() - begun_s
-                    tab.get_by_text(_CONTROLS).first.wait_for()
-                    visible_s = time.perf_counter() - begun_s
-                    tab.close()
-                finally:
-                    served.terminate()
-        yield Start(address_s, words_s, visible_s, _bare_page(browser))
+    """Start the command as a person does every morning, and look until everything is there and can be used.
+
+    The records are there already: a first start that nobody counts has made them, and what it had to compile.
+    """
+    with tempfile.TemporaryDirectory() as data:
+        _start_once(browser, data)
+        for _ in range(repeats):
+            yield Start(*_start_once(browser, data), _bare_page(browser))
+
+
+def _start_once(browser: Browser, data: str) -> tuple[float, float, float]:
+    words = [sys.executable, "-m", "footscan.cli.main", "serve", "--port", "0", "--data", data, "--no-browser"]
+    begun_s = time.perf_counter()
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as served:
+        try:
+            url = _url_said(served)
+            address_s = time.perf_counter() - begun_s
+            tab = browser.new_page()
+            tab.goto(url)
+            tab.wait_for_function(_FIRST_WORDS, polling=_POLL_MS)
+            words_s = time.perf_counter() - begun_s
+            tabs = (texts.CAMERA, texts.TAB_PATIENT, texts.TAB_SCAN, texts.TAB_INSPECT, texts.TAB_LAST)
+            everything = {"tabs": [*tabs, texts.TAB_CALIBRATE, texts.TAB_SYSTEM], "stop": texts.STOP}
+            tab.wait_for_function(_EVERYTHING, arg=everything, polling=_POLL_MS, timeout=1000.0 * _WAIT_S)
+            visible_s = time.perf_counter() - begun_s
+            tab.close()
+        finally:
+            served.terminate()
+    return address_s, words_s, visible_s
 
 
 def _url_said(served: "subprocess.Popen[str]") -> str:

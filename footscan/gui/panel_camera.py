@@ -34,7 +34,7 @@ class CameraPanel:
         self._drawn: tuple[int, CameraChoice] | None = None
         self.shown_points = 0
         self._turn = 0
-        gui, facts = server.gui, station.session.facts
+        gui, facts = server.gui, station.rig.scanner.camera
         blank = np.full((facts.height_px, facts.width_px, 3), 40, np.uint8)
         self._image = gui.add_image(blank, format="jpeg", jpeg_quality=80)
         self._kind = gui.add_button_group(texts.PICTURE, KINDS)

@@ -17,9 +17,12 @@ from footscan.workflow.calibration_log import OLDEST_DAYS
 _STYLE = """<style>
 .mantine-Button-root {{ min-height: 34px }}
 [id="{stop}"] {{ min-height: 50px; font-size: 19px; font-weight: 700 }}
-[data-dock-area] .mantine-ScrollArea-viewport {{ max-height: calc(100vh - 345px) }}
+[data-dock-area] .mantine-ScrollArea-viewport {{ max-height: calc(100vh - {head:.0f}px) }}
 </style>"""
 """Targets a hand can hit, and tabs that scroll by themselves, below a head that stays; viser has neither."""
+_HEAD_PX, _BUTTON_PX, _JOB_PX, _BANNER_PX, _LINE_PX = 228.0, 44.0, 40.0, 34.0, 22.0
+"""Height of the head at rest, and what a button, a running job, the banner of a laser and a further line add."""
+_LINE_LETTERS, _MOST_LINES = 50, 4
 _BAR = "height:9px;border-radius:4px"
 _RED, _AMBER, _GREY = "#c81e1e", "#a85b00", "#444"
 
@@ -28,13 +31,13 @@ class MachinePanel:
     """STOP and the state line."""
 
     def __init__(self, server: viser.ViserServer, desk: Desk, station: Station) -> None:
-        self._desk, self._station = desk, station
+        self._desk, self._station, self._clients = desk, station, server.get_clients
         gui = server.gui
         self.stop = gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
-        self._line = gui.add_html("")
+        self._line = gui.add_html(f'<div style="padding:0 1em 4px;font-size:14px">{texts.OPENING}</div>')
         self._cancel = gui.add_button(texts.CANCEL, hint=texts.CANCEL_HINT, icon=viser.Icon.X, visible=False)
         self._reset = gui.add_button(texts.RESET, hint=texts.RESET_HINT, visible=False)
-        gui.add_html(_STYLE.format(stop=self.stop._impl.uuid))  # pyright: ignore[reportPrivateUsage]
+        self._style = gui.add_html(self._styled(_HEAD_PX))
         command = gui.add_command(texts.STOP_HOTKEY_LABEL, hotkey="X")
 
         @self.stop.on_click
@@ -51,6 +54,9 @@ class MachinePanel:
         async def _(_: Any) -> None:
             desk.cancel()
 
+    def _styled(self, head_px: float) -> str:
+        return _STYLE.format(stop=self.stop._impl.uuid, head=head_px)  # pyright: ignore[reportPrivateUsage]
+
     def _put_right(self) -> None:
         self._station.session.post_reset().wait(10.0)
 
@@ -59,12 +65,27 @@ class MachinePanel:
         job = self._desk.state.job
         put(self._line, content=state_line(snapshot, self._station, job))
         put(self._cancel, visible=job is not None)
-        put(self._reset, visible=snapshot.state is State.FAULT or not snapshot.estop_ok)
+        put(self._reset, visible=_wrong(snapshot))
+        put(self._style, content=self._styled(head_px(snapshot, job, len(self._clients()))))
+
+
+def head_px(snapshot: Snapshot, job: Job | None, browsers: int) -> float:
+    """How high the part above the tabs is, so that these reach down to the window's edge and no further."""
+    letters = len(snapshot.message or snapshot.state.value)
+    lines = min(max(-(-letters // _LINE_LETTERS), 1), _MOST_LINES) - 1
+    lines += 1 if snapshot.armed else 0  # its chip moves the facts to a further line
+    buttons = int(job is not None) + int(_wrong(snapshot)) + int(browsers > 1)
+    parts = (buttons, _BUTTON_PX), (int(job is not None), _JOB_PX), (int(bool(snapshot.lasers)), _BANNER_PX)
+    return _HEAD_PX + _LINE_PX * lines + sum(count * px for count, px in parts)
+
+
+def _wrong(snapshot: Snapshot) -> bool:
+    return snapshot.state is State.FAULT or not snapshot.estop_ok
 
 
 def state_line(snapshot: Snapshot, station: Station, job: Job | None) -> str:
     """The machine's state as HTML; red all over while a laser shines."""
-    wrong = snapshot.state is State.FAULT or not snapshot.estop_ok
+    wrong = _wrong(snapshot)
     message = html.escape(snapshot.message or snapshot.state.value)
     head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
     free = shutil.disk_usage(station.data).free / 1e9

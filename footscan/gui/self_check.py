@@ -56,7 +56,7 @@ def _refuses_strangers(address: Address) -> str:
 def _renders(address: Address) -> str:
     if importlib.util.find_spec("playwright") is None:
         return "Not looked at in a browser: playwright is not installed (pip install 'footscan[dev]')."
-    from footscan.gui.headless import find_chromium, open_chromium  # noqa: PLC0415 - a dependency of developers
+    from footscan.gui.headless import find_chromium, open_chromium
 
     if find_chromium() is None:
         return "Not looked at in a browser: there is no Chromium (apt-get install chromium)."

@@ -14,10 +14,12 @@ from footscan.gui.door import Address, opened_door
 from footscan.gui.heartbeat import PATIENCE_S
 from footscan.gui.icons import icons_at_hand
 from footscan.gui.page import Page
-from footscan.gui.self_check import check_page
-from footscan.gui.station import open_station
+from footscan.gui.readiness import hurried
+from footscan.gui.station import Station
+from footscan.records import RecordStore
 
 Say = Callable[[str], None]
+Fill = Callable[[RecordStore], object]
 
 
 @contextmanager
@@ -26,38 +28,53 @@ def open_page(rig: Rig, data: Path, address: Address, patience_s: float = PATIEN
 
     Raises:
         InputError: The address cannot be used.
-        FootscanError: As `open_station`.
+        FootscanError: As `page_behind`.
     """
     with opened_door(address) as server, page_behind(server, rig, data, patience_s) as page:
         yield page
 
 
 @contextmanager
-def page_behind(server: viser.ViserServer, rig: Rig, data: Path, patience_s: float = PATIENCE_S) -> Generator[Page]:
-    """Open machine and records, and show the page behind a door that is open already.
+def page_behind(
+    server: viser.ViserServer, rig: Rig, data: Path, patience_s: float = PATIENCE_S, fill: Fill = lambda store: None
+) -> Generator[Page]:
+    """Show the page behind a door that is open already; the machine is opened while the browser draws it.
+
+    Args:
+        server: Its door.
+        rig: The machine.
+        data: The data folder.
+        patience_s: How long the controlling browser may be silent.
+        fill: Called with the records before anybody sees them.
 
     Raises:
-        FootscanError: As `open_station`.
+        RecordsError: The records are foreign, newer, damaged, or kept busy.
+        DeviceError: A device is missing or in trouble.
+        ConfigError: The calibration in force is damaged.
     """
-    with open_station(rig, data) as station:
-        server.gui.reset()
-        with icons_at_hand():
+    with RecordStore(data) as store:
+        station = Station(rig, data, store)
+        with hurried(), icons_at_hand():
+            fill(store)
+            server.gui.reset()
             page = Page(server, station, patience_s)
-        page.start()
+            station.open()
         try:
+            page.start()
             yield page
         finally:
             page.close()
+            station.close()
 
 
-def serve_behind(server: viser.ViserServer, rig: Rig, data: Path) -> None:
+def serve_behind(server: viser.ViserServer, rig: Rig, data: Path, fill: Fill) -> None:
     """Serve until Ctrl-C or SIGTERM.
 
     Raises:
-        FootscanError: As `open_station`.
+        FootscanError: As `page_behind`.
     """
     ended = threading.Event()
-    with page_behind(server, rig, data):
+    with page_behind(server, rig, data, fill=fill):
         before = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGTERM, signal.SIGINT)}
         try:
             ended.wait()
@@ -66,13 +83,15 @@ def serve_behind(server: viser.ViserServer, rig: Rig, data: Path) -> None:
                 signal.signal(number, handler)
 
 
-def check_behind(server: viser.ViserServer, rig: Rig, data: Path, address: Address, say: Say) -> None:
+def check_behind(server: viser.ViserServer, rig: Rig, data: Path, fill: Fill, address: Address, say: Say) -> None:
     """Serve, look at the page as a browser and as a stranger would, say what was found, and end.
 
     Raises:
         QualityError: The page does not stand.
-        FootscanError: As `open_station`.
+        FootscanError: As `page_behind`.
     """
-    with page_behind(server, rig, data):
+    from footscan.gui.self_check import check_page
+
+    with page_behind(server, rig, data, fill=fill):
         for sentence in check_page(replace(address, port=server.get_port())):
             say(sentence)

@@ -1,20 +1,24 @@
 """The state of the page, in one place; only the desk's thread replaces it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from footscan.config.recording_file import Load, Surface
 from footscan.coordinates import LaserName, Side
-from footscan.devices.diagnosis import Finding as Examined
-from footscan.gui.fitting import LastChoice
-from footscan.gui.inspected import TriedFoot
+from footscan.gui.last_choice import LastChoice
 from footscan.gui.live_picture import Kind
-from footscan.records import Patient, Take
+from footscan.records import Foot, Patient, Take
 from footscan.scanning.session.states import Finding
-from footscan.workflow.drill_result import DrillResult
-from footscan.workflow.guided_calibration import PlacementReport
-from footscan.workflow.scan import StoredScan
+
+if TYPE_CHECKING:
+    from footscan.devices.diagnosis import Finding as Examined
+    from footscan.gui.inspected import TriedFoot
+    from footscan.workflow.drill_result import DrillResult
+    from footscan.workflow.guided_calibration import PlacementReport
+    from footscan.workflow.scan import StoredScan
 
 Step = Literal["idle", "checked", "result"]
 """Of the operator's scan; what is being done meanwhile is the running job's business."""
@@ -111,6 +115,7 @@ class PageState:
         found: Patients that fit what was typed.
         patient: Chosen.
         takes: Of the chosen patient, the latest visit first.
+        feet: What is declared of the feet today.
         scan: For the next scan.
         camera: Of the camera panel.
         step: Of the scan.
@@ -132,6 +137,7 @@ class PageState:
     found: tuple[Patient, ...] = ()
     patient: Patient | None = None
     takes: tuple[Take, ...] = ()
+    feet: tuple[Foot, ...] = ()
     scan: ScanChoice = field(default_factory=ScanChoice)
     camera: CameraChoice = field(default_factory=CameraChoice)
     step: Step = "idle"

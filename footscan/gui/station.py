@@ -1,27 +1,28 @@
 """The station: machine, records and data folder that one page works with."""
 
-from collections.abc import Generator
-from contextlib import contextmanager
+from __future__ import annotations
+
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from footscan import app
 from footscan.config.rig_file import Rig
-from footscan.devices.diagnosis import Finding
 from footscan.optics.calibration import Calibration
 from footscan.records import RecordStore
 from footscan.records.data_folder import SCANS
-from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan, plan_scan
 from footscan.workflow.calibration_log import Doubt, doubts, machine_name, read_log
-from footscan.workflow.doctor import examine_computer
-from footscan.workflow.opened_rig import OpenedRig
+
+if TYPE_CHECKING:
+    from footscan.devices.diagnosis import Finding
+    from footscan.scanning.session.control import Session
+    from footscan.workflow.opened_rig import OpenedRig
 
 CALIBRATION_RECORDINGS = "calibration-recordings"
 
 
 class Station:
-    """An open machine with its records; `with` it, or `close` it.
+    """A machine with its records; `open` it before anything moves, and `close` it.
 
     Attributes:
         rig: Its file.
@@ -41,6 +42,14 @@ class Station:
         self.doubts: tuple[Doubt, ...]
         self.opened: OpenedRig
         self.session: Session
+
+    def open(self) -> None:
+        """Open the machine.
+
+        Raises:
+            DeviceError: A device is missing or in trouble.
+            ConfigError: The calibration in force is damaged.
+        """
         self._open()
 
     @property
@@ -107,6 +116,9 @@ class Station:
         Raises:
             DeviceError: The machine cannot be opened again; nothing is on.
         """
+        from footscan import app
+        from footscan.workflow.doctor import examine_computer
+
         self.session.close()
         self.opened.give_back()
         found = list(examine_computer(self.data, self.scans, self.calibration, self.calibration_words))
@@ -122,6 +134,8 @@ class Station:
         self.opened.give_back()
 
     def _open(self) -> None:
+        from footscan import app
+
         self.calibration, self.calibration_words = app.calibration_in_force(self.rig, self.data)
         self.look_at_calibration()
         opened = app.open_rig(self.rig)
@@ -137,20 +151,3 @@ def _doubts(data: Path, calibration: Calibration | None) -> tuple[Doubt, ...]:
     """None of a machine without a history: the truth of a simulated machine has no date and needs none."""
     events = [] if calibration is None else read_log(data, machine_name(calibration))
     return tuple(doubts(calibration, events, datetime.now(UTC))) if calibration is not None and events else ()
-
-
-@contextmanager
-def open_station(rig: Rig, data: Path) -> Generator[Station]:
-    """Open machine and records; everything is off at the end, however it ends.
-
-    Raises:
-        RecordsError: The records are foreign, newer, damaged, or kept busy.
-        DeviceError: A device is missing or in trouble.
-        ConfigError: The calibration in force is damaged.
-    """
-    with RecordStore(data) as store:
-        station = Station(rig, data, store)
-        try:
-            yield station
-        finally:
-            station.close()

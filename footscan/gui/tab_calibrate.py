@@ -11,7 +11,6 @@ from footscan.gui.state import CalibrationChoice, PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
 from footscan.scanning.session.states import Snapshot
-from footscan.workflow.guided_calibration import FEWEST_PLACEMENTS
 
 
 class CalibrateTab:
@@ -21,6 +20,8 @@ class CalibrateTab:
         gui = tools.server.gui
         self._desk, self._station, self._work = tools.desk, tools.station, tools.calibration
         self._in_force = gui.add_html("")
+        self._row = gui.add_number(texts.BOARD_ROW, 0.0, min=0.0, max=25000.0, step=0.01, hint=texts.BOARD_HINT)
+        self._column = gui.add_number(texts.BOARD_COLUMN, 0.0, min=0.0, max=25000.0, step=0.01, hint=texts.BOARD_HINT)
         with gui.add_folder(texts.CALIBRATE_RECORD):
             self._advice = gui.add_html("")
             self._begin = gui.add_button(texts.CALIBRATE_BEGIN, hint=texts.CALIBRATE_BEGIN_HINT)
@@ -45,7 +46,7 @@ class CalibrateTab:
         desk, work = self._desk, self._work
         on_press(desk, self._begin, lambda client: self._armed(client, texts.CALIBRATE_BARE, work.begin))
         on_press(desk, self._record, lambda client: self._armed(client, texts.CALIBRATE_STANDS, work.record_placement))
-        on_press(desk, self._finish, lambda _: work.finish())
+        on_press(desk, self._finish, lambda _: self._measured(work.finish))
         on_press(desk, self._abandon, self._ask_abandon)
         on_press(desk, self._accept, self._ask_accept)
         on_press(desk, self._keep, lambda _: work.keep_old())
@@ -85,7 +86,15 @@ class CalibrateTab:
         if folder is None:
             self._desk.say(texts.FAILED, texts.CALIBRATE_NONE, wrong=True)
             return
-        self._work.compute(folder)
+        self._measured(lambda measured_mm: self._work.compute(folder, measured_mm))
+
+    def _measured(self, act: Callable[[tuple[float, float] | None], None]) -> None:
+        """Go on with the lengths of the board as somebody measured them."""
+        row_mm, column_mm = float(self._row.value), float(self._column.value)
+        if (row_mm > 0.0) != (column_mm > 0.0):
+            self._desk.say(texts.FAILED, texts.BOARD_BOTH, wrong=True)
+            return
+        act((row_mm, column_mm) if row_mm > 0.0 else None)
 
     def tick(self, snapshot: Snapshot) -> None:
         """Progress stands beside STOP."""
@@ -98,7 +107,7 @@ class CalibrateTab:
         put(self._shown, content=_box(_placements(choice)))
         put(self._begin, visible=not recording, disabled=busy)
         put(self._record, visible=recording, disabled=busy)
-        put(self._finish, visible=recording, disabled=busy or choice.good < FEWEST_PLACEMENTS)
+        put(self._finish, visible=recording, disabled=busy or not self._work.can_finish)
         put(self._abandon, visible=recording, disabled=busy)
         put(self._lines, content=_box(_result(choice)))
         put(self._accept, visible=choice.made is not None, disabled=busy)

@@ -14,7 +14,6 @@ from footscan.gui.state import InspectChoice, PageState
 from footscan.gui.tab import Tools
 from footscan.records import Take
 from footscan.scanning.session.states import Snapshot
-from footscan.workflow.foot import FootSettings
 
 _KEPT_FEET = 4
 
@@ -102,6 +101,8 @@ class InspectTab:
 
     def _try_smoothing(self) -> None:
         take = next((take for take in self._desk.state.takes if words_of_take(take) == self._take.value), None)
+        from footscan.workflow.foot import FootSettings
+
         foot = None if take is None else self._open(take)
         if foot is None:
             self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)

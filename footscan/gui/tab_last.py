@@ -1,20 +1,22 @@
 """The Last tab: lasts ranked for a foot, one laid round it, customised with its proof, and taken away as a file."""
 
+from __future__ import annotations
+
 import io
 import tempfile
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib.image
 import numpy as np
 import viser
 
 from footscan.errors import FootscanError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
-from footscan.gui.fitting import Fitting, LastChoice
 from footscan.gui.inspected import InspectedFoot, open_foot
+from footscan.gui.last_choice import LastChoice
 from footscan.gui.last_tables import proof_words, ranking_table, room_tables
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
@@ -22,11 +24,11 @@ from footscan.gui.tab_inspect import measured_takes, words_of_take
 from footscan.gui.view_last import LastView
 from footscan.records import Take
 from footscan.scanning.session.states import Snapshot
-from footscan.shoelast.customise import CustomSettings
-from footscan.shoelast.model import Shoelast
-from footscan.shoelast.profile import profile_names
-from footscan.workflow.lasts_export import ExportWish, export_last
-from footscan.workflow.lasts_pictures import thumbnail_png
+from footscan.shoelast.fitting_defaults import TRANSITION_MM, profile_names
+
+if TYPE_CHECKING:
+    from footscan.gui.fitting import Fitting
+    from footscan.shoelast.model import Shoelast
 
 _PLACES = (
     "metatarsale_tibiale", "metatarsale_fibulare", "toe_1_tip", "toe_2_tip", "toe_3_tip", "toe_4_tip", "toe_5_tip",
@@ -41,7 +43,7 @@ class LastTab:
     def __init__(self, tools: Tools) -> None:
         gui = tools.server.gui
         self._desk, self._station = tools.desk, tools.station
-        self._fitting, self._view = Fitting(tools.station.data), LastView(tools.server, tools.view)
+        self._view = LastView(tools.server, tools.view)
         self._drawn: tuple[Any, ...] = ()
         self._foot = gui.add_dropdown(texts.LAST_FOOT, (texts.INSPECT_NONE,))
         names = profile_names()
@@ -69,7 +71,7 @@ class LastTab:
     def _add_allowances(self, gui: viser.GuiApi) -> None:
         with gui.add_folder(texts.LAST_ALLOWANCES):
             self._transition = gui.add_slider(
-                texts.LAST_TRANSITION, 6.0, 30.0, 1.0, CustomSettings().transition_mm, hint=texts.LAST_TRANSITION_HINT
+                texts.LAST_TRANSITION, 6.0, 30.0, 1.0, TRANSITION_MM, hint=texts.LAST_TRANSITION_HINT
             )
             self._hold = gui.add_checkbox(texts.LAST_HOLD, True, hint=texts.LAST_HOLD_HINT)
             places = tuple(place.replace("_", " ") for place in _PLACES)
@@ -93,6 +95,12 @@ class LastTab:
         on_press(desk, self._pin_clear, lambda _: self._change(pins=()))
         on_press(desk, self._customise, lambda _: self._make())
         on_press(desk, self._file, self._send)
+
+    @cached_property
+    def _fitting(self) -> Fitting:
+        from footscan.gui.fitting import Fitting
+
+        return Fitting(self._station.data)
 
     @property
     def _choice(self) -> LastChoice:
@@ -140,7 +148,9 @@ class LastTab:
         put(self._legend, content=_box(legend.get(choice.shown, "")))
         self._picture.visible = bool(choice.thumbnail)
         if choice.thumbnail:
-            picture = matplotlib.image.imread(io.BytesIO(choice.thumbnail))[..., :3]
+            from matplotlib import image
+
+            picture = image.imread(io.BytesIO(choice.thumbnail))[..., :3]
             self._picture.image = np.round(255 * picture).astype(np.uint8)
         self._view.show(choice)
 
@@ -170,6 +180,8 @@ class LastTab:
             self._put(self._choice.without_last(last_id=last_id, thumbnail=self._thumbnail(last_id)))
 
     def _thumbnail(self, last_id: str) -> bytes:
+        from footscan.workflow.lasts_pictures import thumbnail_png
+
         return thumbnail_png(self._fitting.shelf.load(last_id))
 
     def _rank_lasts(self) -> None:
@@ -207,6 +219,8 @@ class LastTab:
         foot, choice = self._opened(), self._choice
         if foot is None:
             return
+        from footscan.shoelast.customise import CustomSettings
+
         settings = CustomSettings(float(self._transition.value), hold=bool(self._hold.value), pins=choice.pins)
         self._desk.job(
             texts.JOB_CUSTOMISE,
@@ -238,6 +252,8 @@ def _unchanged(choice: LastChoice) -> str:
 
 
 def _file_of(shoelast: Shoelast, name: str, engrave: str) -> bytes:
+    from footscan.workflow.lasts_export import ExportWish, export_last
+
     with tempfile.TemporaryDirectory(prefix="footscan-last-") as folder:
         return export_last(shoelast, Path(folder) / name, ExportWish(engrave=engrave)).files[0].read_bytes()
 

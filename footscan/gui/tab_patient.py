@@ -7,10 +7,11 @@ import viser
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.corrections import Corrections
+from footscan.gui.declared import Declared
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
-from footscan.gui.visit import chosen_from, patient_words
-from footscan.records import Patient, Take
+from footscan.gui.visit import chosen_from, facts_words, patient_words
+from footscan.records import FootFacts, Patient, Take
 from footscan.scanning.session.states import Snapshot
 
 _MOST_TAKES = 12
@@ -32,6 +33,7 @@ class PatientTab:
             self._born = gui.add_text(texts.BORN, "", hint=texts.BORN_HINT)
             self._number = gui.add_text(texts.NUMBER, "", hint=texts.NUMBER_HINT)
             self._enter = gui.add_button(texts.ENTER, icon=viser.Icon.USER_PLUS)
+        self._declared = Declared(tools)
         self._visits = gui.add_html("")
         self._corrections = Corrections(tools)
         on_value(desk, self._operator, work.set_operator)
@@ -46,8 +48,12 @@ class PatientTab:
         put_options(self._found, options, kept)
         put(self._choose, disabled=not state.found or state.job is not None)
         put(self._chosen, content=_box(_patient_html(state.patient)))
+        self._declared.show(state)
         self._corrections.show(state)
-        put(self._visits, content=_box(_takes_html(state)))
+        special = "".join(
+            f"<div>{html.escape(facts_words(foot))}</div>" for foot in state.feet if foot.facts != FootFacts()
+        )
+        put(self._visits, content=_box(special + _takes_html(state)))
 
     def tick(self, snapshot: Snapshot) -> None:
         """Nothing here moves."""

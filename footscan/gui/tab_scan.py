@@ -1,9 +1,11 @@
 """The Scan tab: what is scanned, check, start, progress, and the verdict on what came."""
 
+from __future__ import annotations
+
 import html
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import viser
 
@@ -12,7 +14,9 @@ from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.scanning.session.states import Snapshot
-from footscan.workflow.scan import StoredScan
+
+if TYPE_CHECKING:
+    from footscan.workflow.scan import StoredScan
 
 _GRADES = {"good": "#176b2c", "usable with remark": "#a85b00", "repeat": "#c81e1e"}
 

@@ -1,24 +1,26 @@
 """The System tab: devices in words, the doctor, drills, and the log."""
 
+from __future__ import annotations
+
 import html
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import viser
 
-from footscan import app
-from footscan.devices.diagnosis import Finding as Examined
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, put
 from footscan.gui.desk import Progress
 from footscan.gui.state import PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
-from footscan.records.drill import drill_records
 from footscan.scanning.session.states import Snapshot
-from footscan.workflow.drill import cases_of
-from footscan.workflow.drill_result import DrillResult
+
+if TYPE_CHECKING:
+    from footscan.devices.diagnosis import Finding as Examined
+    from footscan.workflow.drill_result import DrillResult
 
 _LINES = 60
 _KILLS = 10
@@ -71,6 +73,9 @@ class SystemTab:
         self._desk.job(texts.JOB_DRILL, self._break, lambda results: self._desk.change(drilled=results))
 
     def _break(self, progress: Progress) -> tuple[DrillResult, ...]:
+        from footscan import app
+        from footscan.workflow.drill import cases_of
+
         cases = cases_of(self._station.rig)
         with tempfile.TemporaryDirectory(prefix="footscan-drill-") as folder:
             results: list[DrillResult] = []
@@ -81,6 +86,8 @@ class SystemTab:
 
     def _drill_records(self) -> None:
         def work(progress: Progress) -> str:
+            from footscan.records.drill import drill_records
+
             report = drill_records(_KILLS, 0, progress)
             words = texts.DRILL_RECORDS_DONE.format(kills=report.kills, acknowledged=report.acknowledged)
             return f"{words} {'; '.join(report.problems) or texts.DRILL_NO_PROBLEMS}"

@@ -24,6 +24,8 @@ CALIBRATION_DOUBT = "see Calibrate"
 CALIBRATION_OLD = "CALIBRATION OLD ({days} days)"
 CALIBRATION_UNDATED = "simulated calibration"
 STARTING = "<b>footscan is starting</b>: the machine and the records are being opened ..."
+OPENING = "<b>The machine is being opened</b> ..."
+STILL_OPENING = "The machine is still being opened; a moment, please."
 CLOSING = "footscan is being closed"
 DISK_FREE = "{gigabytes:.0f} GB free"
 SIMULATED = "SIMULATED MACHINE"
@@ -85,6 +87,28 @@ NAMESAKE_NO = "Same person: do not enter"
 NO_OPERATOR = "Type your name as operator first; it is kept with every scan."
 VISITS_HEAD = "<tr><th>Take</th><th>Day</th><th>Foot</th><th>Load</th><th>Verdict</th><th></th></tr>"
 IN_USE = "in use"
+DECLARE = "What is special about a foot today"
+DECLARE_PARTS = {
+    "toe_1": "Big toe is missing",
+    "toe_2": "Toe 2 is missing",
+    "toe_3": "Toe 3 is missing",
+    "toe_4": "Toe 4 is missing",
+    "toe_5": "Little toe is missing",
+    "ray_1": "First ray (toe and ball) is missing",
+    "ray_5": "Fifth ray (toe and ball) is missing",
+    "forefoot": "The whole forefoot is missing",
+}
+DECLARE_PART_HINT = "What is missing is not looked for, and measurements that need it say so"
+DRESSINGS, DRESSINGS_HINT = "Dressings", "What covers the skin and where; empty when nothing does"
+DEFORMITY, DEFORMITY_HINT = "Deformity", "As the clinician declares it, such as: hallux valgus, hammer toe 2"
+NOT_SCANNED, NOT_SCANNED_HINT = (
+    "Not scanned because",
+    "Why this foot is left out today; else empty",
+)
+DECLARE_GO = "Declare it"
+DECLARE_GO_HINT = "Kept with your name for today's visit; takes it changes are measured again"
+DECLARED, DECLARED_WORDS = "Declared", "Of the {side} foot: {facts}."
+DECLARED_NOTHING = "nothing special"
 CORRECT = "Put a take right"
 CORRECT_NONE = "(no take yet)"
 CORRECT_SAME = "as it is"
@@ -227,6 +251,12 @@ CALIBRATE_YES = "Yes, go"
 CALIBRATE_FINISH = "3  Enough: compute"
 CALIBRATE_FINISH_HINT = "From four good placements on; the calibration in force stays until you accept the new one"
 CALIBRATE_ENOUGH = "That is enough: compute now, or add another placement."
+BOARD_ROW, BOARD_COLUMN = "Board along a row (mm)", "Board along a column (mm)"
+BOARD_HINT = (
+    "Length of the print over all squares, without the white border, by calliper; 0 when it was not measured. "
+    "Without both lengths the scale is not verified."
+)
+BOARD_BOTH = "One length of the board was given: measure along a row and along a column, or leave both at 0."
 CALIBRATE_ABANDON = "Give up this recording"
 CALIBRATE_ABANDON_HINT = "Closes it; its pictures stay on the disk, the calibration in force stays too"
 CALIBRATE_ABANDON_SURE = "The recording is closed and not used. Begin anew from the bare footboard afterwards."
@@ -283,6 +313,7 @@ JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
     "What would a calibration promise now?",
     "Closing the recording",
 )
+JOB_DECLARE = "Declaring, and measuring again what it changes"
 JOB_CORRECT = "Measuring again"
 JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
 

@@ -3,15 +3,16 @@
 The scene is in metres; everything else here is in millimetres.
 """
 
+from __future__ import annotations
+
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import trimesh
 import viser
 
 from footscan.coordinates import WORKING_RADIUS_MM, Floats, LaserName
-from footscan.foot.skin_origin import Origin
 from footscan.gui import texts
 from footscan.gui.matte import matte_glb
 from footscan.gui.placement import LitFrame, lit_points
@@ -19,12 +20,15 @@ from footscan.gui.state import Shown
 from footscan.gui.station import Station
 from footscan.scanning.session.states import Snapshot, State
 
+if TYPE_CHECKING:
+    import trimesh
+
 _M = 0.001
 _CLOUD_EVERY_S = 0.5
 _MOST_POINTS = 2500  # of one batch
 _CLOUD_RGB: dict[LaserName, tuple[int, int, int]] = {"right": (220, 70, 40), "left": (40, 110, 220)}
 _SKIN_RGB = (224, 160, 128)
-_ORIGIN_RGB = {Origin.SEEN: _SKIN_RGB, Origin.BRIDGED: (232, 192, 32)}
+_BRIDGED_RGB = (232, 192, 32)
 _UNSEEN_RGB = (128, 144, 160)
 _RESIDUAL_MM = (0.0, 0.2, 0.4)
 _RESIDUAL_RGB = ((32, 96, 255), (48, 192, 96), (255, 48, 32))
@@ -137,6 +141,8 @@ class FootView:
             handle.visible = visible
 
     def _add_mesh(self, name: str, mesh: trimesh.Trimesh, shown: Shown, y_mm: float) -> viser.GlbHandle:
+        import trimesh
+
         drawn = trimesh.Trimesh(mesh.vertices * _M, mesh.faces, process=False)
         glb = matte_glb(drawn, colours(mesh, shown))
         return self._scene.add_glb(name, glb, position=(0.0, y_mm * _M, 0.0), cast_shadow=False, receive_shadow=False)
@@ -157,12 +163,14 @@ def _above_board(xyz_world: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
 
 def colours(mesh: trimesh.Trimesh, shown: Shown) -> Colours:
     """`(n, 3)` per vertex: skin, where the skin comes from, or how far the points lie from it."""
+    from footscan.foot.skin_origin import Origin
+
     rgb = np.tile(np.array(_SKIN_RGB, np.uint8), (len(mesh.vertices), 1))
     origin = np.asarray(mesh.vertex_attributes["origin"])
     if shown == "Seen / assumed":
         rgb[:] = _UNSEEN_RGB
-        for kind, colour in _ORIGIN_RGB.items():
-            rgb[origin == kind] = colour
+        rgb[origin == Origin.SEEN] = _SKIN_RGB
+        rgb[origin == Origin.BRIDGED] = _BRIDGED_RGB
     if shown == "Distance to points":
         residual = np.abs(np.asarray(mesh.vertex_attributes["residual_mm"], dtype=np.float64))
         known = np.isfinite(residual)

@@ -1,17 +1,20 @@
 """Lasts in the 3-D view: round the foot, as a clearance map, with changed areas. The scene is in metres."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import trimesh
 import viser
 
 from footscan.coordinates import Bytes, Floats, Ints, Side
-from footscan.gui.fitting import FittedLast, LastChoice, custom_clearance
+from footscan.gui.last_choice import FittedLast, LastChoice
 from footscan.gui.matte import matte_glb
 from footscan.gui.view_foot import FootView
-from footscan.shoelast.custom_last import CustomLast
-from footscan.shoelast.foot_pose import PosedFoot
-from footscan.shoelast.handed import mirrored, mirrored_mesh
-from footscan.workflow.lasts_colours import UNCHANGED, UNSEEN, change_colours, clearance_colours
+
+if TYPE_CHECKING:
+    from footscan.shoelast.custom_last import CustomLast
+    from footscan.shoelast.foot_pose import PosedFoot
 
 _M = 0.001
 _SKIN = (224, 160, 128)
@@ -37,6 +40,8 @@ class LastView:
 
     def show(self, choice: LastChoice, target_mm: float = 0.0) -> None:
         """What was chosen: the last round the foot, the clearance map, or what was changed."""
+        from footscan.workflow.lasts_colours import change_colours
+
         self.clear()
         fitted, custom = choice.fitted, choice.custom
         if choice.shown == "Changed areas" and custom is not None:
@@ -53,6 +58,9 @@ class LastView:
     def _round_the_foot(
         self, choice: LastChoice, fitted: FittedLast, posed: PosedFoot, custom: CustomLast | None, target_mm: float
     ) -> None:
+        from footscan.gui.fitting import custom_clearance
+        from footscan.workflow.lasts_colours import UNSEEN, clearance_colours
+
         side = fitted.shoelast.side
         foot = posed if custom is None else custom.posed
         xyz, faces = foot.shell.xyz, np.asarray(foot.shell.faces)
@@ -67,6 +75,10 @@ class LastView:
         self._add_clear(skin.xyz_shoelast, skin.faces, side)
 
     def _add(self, name: str, xyz: Floats, faces: Ints, rgb: Bytes, side: Side) -> None:
+        import trimesh
+
+        from footscan.shoelast.handed import mirrored_mesh
+
         drawn = mirrored_mesh(trimesh.Trimesh(xyz, faces, process=False), side)
         drawn.apply_scale(_M)
         glb = matte_glb(drawn, rgb)
@@ -74,6 +86,9 @@ class LastView:
         self._handles.append(handle)
 
     def _add_clear(self, xyz: Floats, faces: Ints, side: Side) -> None:
+        from footscan.shoelast.handed import mirrored
+        from footscan.workflow.lasts_colours import UNCHANGED
+
         corner = faces[:, ::-1] if side == "left" else faces
         handle = self._scene.add_mesh_simple(
             "/last/last",

@@ -1,16 +1,22 @@
 """What the operator does with patients: find, enter, choose. Every method runs on the desk's thread."""
 
-from dataclasses import replace
+from __future__ import annotations
 
-from footscan.errors import DuplicatePatientError
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from footscan.coordinates import Side
+from footscan.errors import DuplicatePatientError, FootscanError
 from footscan.gui import texts
-from footscan.gui.desk import Desk
+from footscan.gui.desk import Desk, Progress
 from footscan.gui.state import PageState
 from footscan.gui.station import Station
-from footscan.records import Correction, NewPatient, Patient, Take
+from footscan.records import Correction, Foot, FootFacts, NewPatient, Patient, Take
 from footscan.records.spelling import born_from_text
-from footscan.workflow.scan import StoredScan, find_scans
-from footscan.workflow.visit import correct_take
+
+if TYPE_CHECKING:
+    from footscan.workflow.scan import StoredScan
 
 MOST_SHOWN = 20
 
@@ -46,6 +52,7 @@ class PatientWork:
         self._desk.change(
             patient=patient,
             takes=takes,
+            feet=feet_today(self._station, patient_id),
             kept=kept_scans(self._station),
             step="idle",
             findings=(),
@@ -84,6 +91,8 @@ class PatientWork:
             self._desk.say(texts.FAILED, why, wrong=True)
             return
 
+        from footscan.workflow.visit import correct_take
+
         def done(take: Take) -> None:
             self.refresh()
             self._desk.say(
@@ -96,11 +105,39 @@ class PatientWork:
             done,
         )
 
+    def declare(self, side: Side, facts: FootFacts) -> None:
+        """Say what is missing, dressed or deformed on a foot today, or why it is not scanned.
+
+        Raises:
+            InputError: Text with control characters.
+        """
+        state, store = self._desk.state, self._station.store
+        if state.patient is None or not state.operator:
+            self._desk.say(texts.FAILED, texts.NO_OPERATOR if state.patient else texts.PATIENT_NONE, wrong=True)
+            return
+        patient, by = state.patient, state.operator
+
+        def work(progress: Progress) -> Foot:
+            from footscan.workflow.visit import declare_foot
+
+            return declare_foot(store, store.open_visit(patient.id, by).id, side, facts, by, progress)
+
+        def done(foot: Foot) -> None:
+            self.refresh()
+            self._desk.say(texts.DECLARED, facts_words(foot))
+
+        def failed(err: FootscanError) -> None:
+            self.refresh()  # the declaration stands although a take could not be measured again
+            self._desk.say(texts.FAILED, str(err), wrong=True)
+
+        self._desk.job(texts.JOB_DECLARE, work, done, failed)
+
     def refresh(self) -> None:
         """Read the chosen patient's takes again."""
         patient = self._desk.state.patient
         if patient is not None:
-            self._desk.change(takes=takes_of(self._station, patient.id))
+            feet = feet_today(self._station, patient.id)
+            self._desk.change(takes=takes_of(self._station, patient.id), feet=feet)
 
 
 def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
@@ -109,8 +146,29 @@ def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
     return tuple(take for visit in visits for take in sorted(station.store.takes(visit.id), key=lambda t: -t.id))
 
 
+def feet_today(station: Station, patient_id: int) -> tuple[Foot, ...]:
+    """Feet of which something was said today."""
+    today = datetime.now(UTC).astimezone().date()
+    visit = next((visit for visit in station.store.visits(patient_id) if visit.day == today), None)
+    return () if visit is None else tuple(station.store.feet(visit.id))
+
+
+def facts_words(foot: Foot) -> str:
+    """What is declared of a foot, in words."""
+    facts = foot.facts
+    said = [texts.DECLARE_PARTS.get(part, part).lower() for part in facts.missing]
+    for label, value in (
+        (texts.DRESSINGS, facts.dressings), (texts.DEFORMITY, facts.deformity), (texts.NOT_SCANNED, facts.not_scanned),
+    ):  # fmt: skip
+        said += [f"{label.lower()}: {value}"] if value else []
+    words = "; ".join(said) or texts.DECLARED_NOTHING
+    return texts.DECLARED_WORDS.format(side=texts.SIDES[foot.side], facts=words)
+
+
 def kept_scans(station: Station) -> tuple[StoredScan, ...]:
     """Scans that belong to nobody yet, the newest first."""
+    from footscan.workflow.scan import find_scans
+
     return tuple(scan for scan in reversed(find_scans(station.scans)) if scan.frames)
 
 

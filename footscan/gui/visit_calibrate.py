@@ -1,14 +1,14 @@
 """What the technician does to calibrate, step by step. Every public method runs on the desk's thread."""
 
+from __future__ import annotations
+
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
-from footscan.calibration.quality import quality_lines
 from footscan.config import load_calibration_record
 from footscan.errors import FootscanError
 from footscan.gui import texts
@@ -16,9 +16,10 @@ from footscan.gui.desk import Desk, Progress
 from footscan.gui.state import CalibrationChoice
 from footscan.gui.station import Station
 from footscan.scanning.recorder import MANIFEST
-from footscan.workflow.calibrate import CalibrateSettings, run_calibration, tables_path
 from footscan.workflow.calibration_log import in_force_path, keep_in_force, machine_name
-from footscan.workflow.guided_calibration import ENOUGH_MM, GuidedCalibration, PlacementReport
+
+if TYPE_CHECKING:
+    from footscan.workflow.guided_calibration import GuidedCalibration, PlacementReport
 
 STOPS = 16
 _ARM_S = 5.0
@@ -40,8 +41,20 @@ class CalibrationWork:
         """A recording is open; nothing else may use the machine."""
         return self._guided is not None
 
+    @property
+    def can_finish(self) -> bool:
+        """Enough placements are good."""
+        if self._guided is None:
+            return False
+        from footscan.workflow.guided_calibration import FEWEST_PLACEMENTS
+
+        return self._choice.good >= FEWEST_PLACEMENTS
+
     def begin(self) -> None:
         """The footboard is bare and nobody's face is near: open a recording and look at the board."""
+        from footscan.calibration.board_sheet import DEFAULT_BOARD
+        from footscan.workflow.guided_calibration import GuidedCalibration
+
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
         folder = self._station.calibration_recordings / stamp
         guided = GuidedCalibration(self._station.session, folder, DEFAULT_BOARD, self.stops)
@@ -75,6 +88,8 @@ class CalibrationWork:
 
     def _judge(self, report: PlacementReport) -> None:
         """How good a calibration would be that was made now."""
+        from footscan.workflow.guided_calibration import ENOUGH_MM
+
         guided = self._guided
         assert guided is not None
         placements = (*self._choice.placements, report)
@@ -88,8 +103,8 @@ class CalibrationWork:
 
         self._job(texts.JOB_JUDGE, lambda progress: guided.expected_error_mm(), told)
 
-    def finish(self) -> None:
-        """Close the recording; it can be computed now and at any time later."""
+    def finish(self, measured_mm: tuple[float, float] | None = None) -> None:
+        """Close the recording; it is computed now, and can be at any time later."""
         guided = self._guided
         if guided is None:
             return
@@ -97,7 +112,7 @@ class CalibrationWork:
         def done(_: None) -> None:
             self._guided = None
             self._change(replace(self._choice, recorded=True))
-            self.compute(guided.folder)
+            self.compute(guided.folder, measured_mm)
 
         self._job(texts.JOB_CLOSE, lambda progress: guided.finish(), done)
 
@@ -114,14 +129,22 @@ class CalibrationWork:
 
         self._job(texts.JOB_CLOSE, lambda progress: guided.finish(), done)
 
-    def compute(self, folder: Path) -> None:
-        """A new calibration from a recording; the one in force stays in force."""
+    def compute(self, folder: Path, measured_mm: tuple[float, float] | None = None) -> None:
+        """A new calibration from a recording; the one in force stays in force.
+
+        Args:
+            folder: The recording.
+            measured_mm: Lengths of the board over all squares, along a row and a column; None: nobody measured.
+        """
+        from footscan.calibration.quality import quality_lines
+        from footscan.workflow.calibrate import CalibrateSettings, run_calibration
+
         out = folder.with_name(f"{folder.name}.calibration.toml")
 
         def work(progress: Progress) -> tuple[str, ...]:
             self._begin_history(out)
             try:
-                return tuple(quality_lines(run_calibration(folder, out, CalibrateSettings(), progress)))
+                return tuple(quality_lines(run_calibration(folder, out, CalibrateSettings(measured_mm), progress)))
             except BaseException:
                 out.unlink(missing_ok=True)  # what lies there is a copy of the one in force
                 raise
@@ -155,6 +178,8 @@ class CalibrationWork:
 
     def keep_old(self) -> None:
         """Throw the new calibration away; its recording stays."""
+        from footscan.workflow.calibrate import tables_path
+
         made = self._choice.made
         if made is not None:
             made.unlink(missing_ok=True)

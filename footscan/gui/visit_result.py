@@ -1,5 +1,7 @@
 """What becomes of a scan: accepted, kept with a remark, repeated, measured again. On the desk's thread."""
 
+from __future__ import annotations
+
 import json
 from dataclasses import replace
 from typing import Any
@@ -10,9 +12,6 @@ from footscan.gui.desk import Desk
 from footscan.gui.station import Station
 from footscan.gui.visit import takes_of
 from footscan.records import Take, Verdict
-from footscan.scanning.sweep import SweepSettings
-from footscan.workflow.process import ProcessSettings
-from footscan.workflow.visit import reprocess_take
 
 
 class ResultWork:
@@ -46,6 +45,10 @@ class ResultWork:
         take = state.take
         if take is None:
             return
+        from footscan.scanning.sweep import SweepSettings
+        from footscan.workflow.process import ProcessSettings
+        from footscan.workflow.visit import reprocess_take
+
         settings = ProcessSettings(SweepSettings(threshold=state.camera.in_use))
         self._desk.job(
             texts.JOB_REPROCESS,

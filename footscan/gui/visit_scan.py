@@ -1,8 +1,11 @@
 """Check and scan as the operator does them. Every public method runs on the desk's thread."""
 
+from __future__ import annotations
+
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from footscan.config import Subject
 from footscan.errors import FootscanError
@@ -10,26 +13,18 @@ from footscan.gui import texts
 from footscan.gui.adjust_light import shine_while_held
 from footscan.gui.desk import Desk, Progress
 from footscan.gui.placement import LitFrame, look_at_foot
+from footscan.gui.state import PageState
 from footscan.gui.station import Station
 from footscan.gui.view_foot import FootView
 from footscan.gui.visit import kept_scans, takes_of
 from footscan.gui.visit_calibrate import CalibrationWork
 from footscan.gui.visit_result import report_of
 from footscan.records import Take
-from footscan.scanning.session.control import Session
 from footscan.scanning.session.states import Finding, State
-from footscan.scanning.sweep import SweepSettings
-from footscan.workflow.process import ProcessSettings
-from footscan.workflow.scan import (
-    RECORDING,
-    ScanSettings,
-    lit_by_one_laser,
-    measure_recorded,
-    prepare_machine,
-    record_scan,
-    scan_folder,
-)
-from footscan.workflow.visit import Filing, file_scan, reprocess_take
+
+if TYPE_CHECKING:
+    from footscan.scanning.session.control import Session
+    from footscan.workflow.scan import ScanSettings
 
 _ARM_S = 5.0
 _ABOUT_THE_FOOT = ("no foot", "foot partly out of view")
@@ -81,6 +76,8 @@ class ScanWork:
         self._desk.job(texts.JOB_CHECK, lambda progress: self._look(settings), self._checked, self._stopped, self._stop)
 
     def _look(self, settings: ScanSettings) -> tuple[list[Finding], list[LitFrame]]:
+        from footscan.workflow.scan import prepare_machine
+
         if self._station.opened.put_on_board is not None:
             self._station.opened.put_on_board(settings.side)
         findings = prepare_machine(self._session, settings, lambda snapshot: None)
@@ -119,11 +116,16 @@ class ScanWork:
         )
 
     def _record(self, settings: ScanSettings) -> Path:
+        from footscan.workflow.scan import record_scan
+
         calibration = self._station.calibration
         assert calibration is not None
         return record_scan(self._session, settings, calibration, lambda snapshot: None)
 
     def _measure(self, settings: ScanSettings, patient_id: int, operator: str) -> None:
+        from footscan.workflow.scan import measure_recorded
+        from footscan.workflow.visit import Filing, file_scan
+
         def work(progress: Progress) -> Take:
             calibration = self._station.calibration
             assert calibration is not None
@@ -152,6 +154,10 @@ class ScanWork:
 
     def file_kept(self, folder: Path) -> None:
         """Measure a scan that was never filed, whole or broken off, and file it for the chosen patient."""
+        from footscan.workflow.process import ProcessSettings
+        from footscan.workflow.scan import RECORDING, lit_by_one_laser
+        from footscan.workflow.visit import Filing, file_scan, reprocess_take
+
         state = self._desk.state
         if state.patient is None or not state.operator:
             self._desk.say(texts.FAILED, texts.NO_PATIENT_SCAN if state.operator else texts.NO_OPERATOR, wrong=True)
@@ -197,12 +203,21 @@ class ScanWork:
         return self._station.session
 
     def _settings(self) -> ScanSettings:
+        from footscan.scanning.sweep import SweepSettings
+        from footscan.workflow.process import ProcessSettings
+        from footscan.workflow.scan import ScanSettings, scan_folder
+
         state = self._desk.state
         choice = state.scan
         return ScanSettings(
             scan_folder(self._station.scans, choice.side),
             choice.side,
             self._station.plan(choice.profile),
-            Subject(load=choice.load, surface=choice.surface),
+            Subject(load=choice.load, surface=choice.surface, absent=_missing(state)),
             process=ProcessSettings(SweepSettings(threshold=state.camera.in_use), side=choice.side),
         )
+
+
+def _missing(state: PageState) -> tuple[str, ...]:
+    """What is declared to be missing on the foot that is scanned next."""
+    return next((foot.facts.missing for foot in state.feet if foot.side == state.scan.side), ())

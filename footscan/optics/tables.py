@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from footscan.compiled import compiled
-from footscan.coordinates import WORKING_RADIUS_MM, WORKING_Z_MM, Floats, Floats32, LaserName
+from footscan.coordinates import LASER_NAMES, WORKING_RADIUS_MM, WORKING_Z_MM, Floats, Floats32, LaserName
 from footscan.geometry.rigid import inverse_rigid
 from footscan.optics.calibration import Calibration, camera_from_world, fingerprint
 from footscan.optics.sheet import world_from_light
@@ -45,6 +45,11 @@ class LightTable:
         result = np.empty((len(uv), 2))
         _read_between_pixels(self.xy_light, np.ascontiguousarray(uv), result)
         return result
+
+
+def build_tables(calibration: Calibration) -> dict[LaserName, LightTable]:
+    """Both calibration tables."""
+    return {name: build_table(calibration, name) for name in LASER_NAMES}
 
 
 def build_table(calibration: Calibration, laser: LaserName) -> LightTable:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from footscan.shoelast.fitting_defaults import TRANSITION_MM
 from footscan.shoelast.foot_pose import InsoleStack
 from footscan.shoelast.foot_pose_joints import Joints
 from footscan.shoelast.pins import Pin
@@ -22,7 +23,7 @@ class CustomSettings:
         smooth_mm: How far smoothing may move the result, in or out; 0 leaves it as it is.
     """
 
-    transition_mm: float = 10.0
+    transition_mm: float = TRANSITION_MM
     stack: InsoleStack = field(default_factory=InsoleStack)
     joints: Joints = field(default_factory=Joints)
     hold: bool = True

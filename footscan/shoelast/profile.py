@@ -1,16 +1,14 @@
 """Fitting profiles: how much room a foot gets, by region and aspect. All numbers are in profiles.json, indicative."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from importlib.resources import files
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import InputError
+from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.foot_pose_joints import smooth_step
 
 Region = Literal["heel", "instep", "waist", "ball", "toe"]
@@ -47,17 +45,6 @@ class Profile:
     most_loss_mm: Mapping[str, float]
     most_overhang_mm: float
     bands: Mapping[str, tuple[float, float]]
-
-
-@lru_cache(maxsize=1)
-def profile_data() -> Mapping[str, Any]:
-    """The content of profiles.json."""
-    return json.loads(files("footscan.shoelast").joinpath("profiles.json").read_text(encoding="utf-8"))
-
-
-def profile_names() -> tuple[str, ...]:
-    """The profiles there are."""
-    return tuple(profile_data()["profiles"])
 
 
 def load_profile(name: str) -> Profile:

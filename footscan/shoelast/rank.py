@@ -11,9 +11,10 @@ import numpy as np
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
+from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.last_library import LastEntry
 from footscan.shoelast.prepared_foot import PreparedFoot
-from footscan.shoelast.profile import Profile, load_profile, profile_data
+from footscan.shoelast.profile import Profile, load_profile
 from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
 
 WRONG_SIDE, WRONG_WIDTH = 1000.0, 2000.0

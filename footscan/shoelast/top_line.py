@@ -6,9 +6,9 @@ import numpy as np
 
 from footscan.coordinates import Bools, Floats
 from footscan.geometry.nearest import PointTree
+from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.foot_pose import PosedFoot
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.profile import profile_data
 
 _EDGE_STEPS, _NEAR_MM = 720, 3.0
 

@@ -1,7 +1,6 @@
 """Bodies with an exact formula: sphere, plate, cylinder."""
 
 import numpy as np
-import trimesh
 
 from footscan.coordinates import Floats
 from footscan.sim.surface import Surface, grid_faces, surface_from_trimesh
@@ -9,6 +8,8 @@ from footscan.sim.surface import Surface, grid_faces, surface_from_trimesh
 
 def build_sphere(radius_mm: float, centre_world: Floats, subdivisions: int = 5) -> Surface:
     """A sphere of flat facets whose corners lie on it (5 subdivisions: 20,480 facets, 0.0006 of the radius inside)."""
+    import trimesh
+
     ball = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius_mm)
     ball.apply_translation(centre_world)
     return surface_from_trimesh(ball)

@@ -1,7 +1,8 @@
 """From light to bytes: speckle, shot and read noise, saturation, black level. All of it follows from the seed."""
 
+from statistics import NormalDist
+
 import numpy as np
-from scipy.special import ndtri
 
 from footscan.compiled import compiled, compiled_inline
 from footscan.coordinates import Bytes, Floats32
@@ -12,7 +13,8 @@ _BITS = np.uint64(12)
 
 def normal_quantiles() -> Floats32:
     """`(4096,)` values of a standard normal, each as likely as the others; variance 1."""
-    quantile = ndtri((np.arange(_QUANTILES) + 0.5) / _QUANTILES)
+    shares = (np.arange(_QUANTILES) + 0.5) / _QUANTILES
+    quantile = np.array([NormalDist().inv_cdf(share) for share in shares.tolist()])
     return (quantile / np.sqrt(np.mean(quantile**2))).astype(np.float32)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from footscan.compiled import compiled
 from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
+from footscan.sim.kept_surface import kept_surface
 from footscan.sim.level_set import is_closed, mesh_field
 from footscan.sim.surface import Surface
 
@@ -77,11 +78,17 @@ class FootShape:
 def build_foot(shape: FootShape | None = None) -> Surface:
     """The built-in foot in the world: sole on the board, toes along +x, the middle of its outline on the axis.
 
+    It is kept in the user's cache folder: meshing its formulas takes a second.
+
     Raises:
         InputError: A size, arch or angle outside what the formulas can make.
     """
     shape = shape or FootShape()
     _check(shape)
+    return kept_surface("foot", (shape, _GRID_STEPS_MM), lambda: _mesh_foot(shape))
+
+
+def _mesh_foot(shape: FootShape) -> Surface:
     body, toes, arch = _cones(shape)
     top = LEG_TOP_MM / shape.size + _SOLE_MM
 

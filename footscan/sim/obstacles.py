@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-import trimesh
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import InputError
@@ -78,6 +77,8 @@ def _idle_leg(inward: float, side: Side) -> tuple[Part, ...]:
     """Post, platform and the other foot upon it."""
     y = inward * POST_FROM_AXIS_MM
     post = _post(20.0, np.array([0.0, y, 0.0]), 0.0, STAND_MM - 20.0)
+    import trimesh
+
     plate = trimesh.creation.box([300.0, 130.0, 20.0])
     plate.apply_translation([0.0, y, STAND_MM - 10.0])
     other = _moved(build_foot(FootShape(side)), np.array([0.0, y, STAND_MM]))

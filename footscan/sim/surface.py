@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import InputError
+
+if TYPE_CHECKING:
+    import trimesh
 
 MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 LONGEST_EDGE_MM = 12.0
@@ -41,8 +44,10 @@ class Surface:
         return Surface(self.xyz_world @ transform[:3, :3].T + transform[:3, 3], self.faces, self.closed)
 
 
-def surface_from_trimesh(mesh: trimesh.Trimesh, longest_edge_mm: float = LONGEST_EDGE_MM) -> Surface:
+def surface_from_trimesh(mesh: "trimesh.Trimesh", longest_edge_mm: float = LONGEST_EDGE_MM) -> Surface:
     """Take over a mesh in millimetres; edges longer than `longest_edge_mm` are divided without moving the surface."""
+    import trimesh
+
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     closed = bool(mesh.is_watertight) or _bounds_a_body(mesh)
     divided = trimesh.remesh.subdivide_to_size(vertices, faces, max_edge=longest_edge_mm, max_iter=20)
@@ -50,8 +55,10 @@ def surface_from_trimesh(mesh: trimesh.Trimesh, longest_edge_mm: float = LONGEST
     return Surface(np.ascontiguousarray(xyz_world), np.ascontiguousarray(faces, dtype=np.int64), closed)
 
 
-def trimesh_from_surface(surface: Surface) -> trimesh.Trimesh:
+def trimesh_from_surface(surface: Surface) -> "trimesh.Trimesh":
     """The mesh for writing to a file or for checks."""
+    import trimesh
+
     return trimesh.Trimesh(surface.xyz_world, surface.faces, process=False)
 
 
@@ -61,6 +68,8 @@ def load_surface(path: Path, unit: str) -> Surface:
     Raises:
         InputError: No such file, no mesh in it, an unknown unit, or a size that no foot machine can hold.
     """
+    import trimesh
+
     if unit not in MM_PER_UNIT:
         raise InputError(f"the unit of a mesh is mm, cm or m, found {unit!r}; say which with --unit.")
     if not path.is_file():
@@ -92,7 +101,7 @@ def grid_faces(rows: int, columns: int) -> Ints:
     return np.concatenate([first, second])
 
 
-def _check_size(path: Path, unit: str, mesh: trimesh.Trimesh) -> None:
+def _check_size(path: Path, unit: str, mesh: "trimesh.Trimesh") -> None:
     vertices = np.asarray(mesh.vertices)
     size_mm = np.ptp(vertices, axis=0) if np.isfinite(vertices).all() else np.full(3, np.nan)
     longest = float(size_mm.max())
@@ -103,7 +112,7 @@ def _check_size(path: Path, unit: str, mesh: trimesh.Trimesh) -> None:
         )
 
 
-def _bounds_a_body(mesh: trimesh.Trimesh) -> bool:
+def _bounds_a_body(mesh: "trimesh.Trimesh") -> bool:
     """Whether nearly every edge has two faces: meshes from scanners are rarely perfect."""
     edges = np.sort(np.asarray(mesh.edges), axis=1)
     _, uses = np.unique(edges, axis=0, return_counts=True)

@@ -23,6 +23,7 @@ from footscan.coordinates import LASER_NAMES, Floats
 from footscan.errors import EmptyScanError, QualityError, RecordingError
 from footscan.geometry.plane import fit_plane
 from footscan.optics.calibration import Calibration, fingerprint
+from footscan.optics.tables import build_tables
 from footscan.scanning.cleaning import smooth_skin
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
 from footscan.scanning.footboard import BOARD_MARGIN_MM, height_above
@@ -30,7 +31,7 @@ from footscan.scanning.recording import Recording, open_recording
 from footscan.scanning.sweep import Progress, SweepSettings, sweep_frames
 from footscan.workflow.acceptance_page import draw_page
 from footscan.workflow.acceptance_words import sheet_lines
-from footscan.workflow.process import build_tables, check_machine
+from footscan.workflow.process import check_machine
 
 Which = Literal["both", "right", "left"]
 _FEWEST = 300

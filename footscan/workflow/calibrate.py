@@ -15,9 +15,9 @@ from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, MachineMismatchError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.table_store import tables_bytes
+from footscan.optics.tables import build_tables
 from footscan.scanning.recording import Recording, open_recording
 from footscan.workflow.calibration_log import keep_in_force, refuse_outdated
-from footscan.workflow.process import build_tables
 
 
 @dataclass(frozen=True)

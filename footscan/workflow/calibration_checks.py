@@ -29,11 +29,12 @@ from footscan.config.toml_file import write_whole
 from footscan.errors import RecordingError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.table_store import tables_bytes
+from footscan.optics.tables import build_tables
 from footscan.scanning.recording import open_recording
 from footscan.workflow.accept import Acceptance, accept_recording
 from footscan.workflow.calibrate import tables_path
 from footscan.workflow.calibration_log import keep_in_force, log_event, machine_name, refuse_outdated
-from footscan.workflow.process import build_tables, check_machine
+from footscan.workflow.process import check_machine
 
 
 @dataclass(frozen=True)

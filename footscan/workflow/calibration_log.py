@@ -18,7 +18,7 @@ from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, StorageError
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.table_store import tables_bytes
-from footscan.workflow.process import build_tables
+from footscan.optics.tables import build_tables
 
 OLDEST_DAYS = 183
 DRIFT_MM = 0.15

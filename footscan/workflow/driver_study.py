@@ -25,6 +25,7 @@ from footscan.coordinates import Floats, Frame
 from footscan.errors import DeviceError
 from footscan.geometry.rigid import turn_z
 from footscan.optics.calibration import Calibration
+from footscan.optics.tables import build_tables
 from footscan.scanning.angles import frame_angles
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
 from footscan.scanning.recording import EncoderTrack, Recording, open_recording
@@ -38,7 +39,7 @@ from footscan.sim.surface import Surface
 from footscan.sim.world import World
 from footscan.workflow.cloud_comparison import HEIGHTS_MM, clouds_apart, rms, rms_apart
 from footscan.workflow.opened_rig import OpenedRig
-from footscan.workflow.process import ProcessSettings, ScanResult, build_tables, process_recording
+from footscan.workflow.process import ProcessSettings, ScanResult, process_recording
 from footscan.workflow.truth import distance_to_surface_mm
 
 OpenRig = Callable[[Rig], OpenedRig]

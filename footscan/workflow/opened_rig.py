@@ -2,12 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
 from footscan.scanning.session.control import RigDevices
-from footscan.sim.emulators.emulated_rig import EmulatedRig
 from footscan.sim.world import World
+
+if TYPE_CHECKING:
+    from footscan.sim.emulators.emulated_rig import EmulatedRig
 
 
 @dataclass(frozen=True)
@@ -29,5 +32,5 @@ class OpenedRig:
     world: World | None
     put_on_board: Callable[[Side], None] | None
     put_calibration_board: Callable[[int | None], None] | None = None
-    emulated: EmulatedRig | None = None
+    emulated: "EmulatedRig | None" = None
     give_back: Callable[[], None] = lambda: None

@@ -16,7 +16,7 @@ from footscan.config.recording_file import Surface as CoverKind
 from footscan.coordinates import LASER_NAMES, Floats, LaserName, Side
 from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
 from footscan.optics.calibration import Calibration, fingerprint
-from footscan.optics.tables import LightTable, build_table
+from footscan.optics.tables import build_tables
 from footscan.scanning.agreement import ZoneAgreement, agreement_by_zone, find_overlap, merge_lasers
 from footscan.scanning.cleaning import foot_body, smooth_skin
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
@@ -85,11 +85,6 @@ class Stages:
         begin = time.perf_counter()
         yield
         self.seconds[name] = round(time.perf_counter() - begin, 4)
-
-
-def build_tables(calibration: Calibration) -> dict[LaserName, LightTable]:
-    """Both calibration tables."""
-    return {name: build_table(calibration, name) for name in LASER_NAMES}
 
 
 def check_machine(recording: Recording, calibration: Calibration) -> None:

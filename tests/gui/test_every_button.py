@@ -1,4 +1,4 @@
-"""Buttons that no other test presses: namesakes, repeat, measure again, give up, keep, doctor, drills."""
+"""Buttons that no other test presses: namesakes, give up, keep, what is declared, doctor, drills."""
 
 import re
 
@@ -34,31 +34,12 @@ def test_an_impossible_date_is_told_and_nobody_is_entered(served: Served, me: Op
     assert not served.page.station.store.find_patients("Ivo", 9)
 
 
-def test_a_take_is_measured_again_with_another_threshold_and_repeated(served: Served, me: Operator) -> None:
-    me.enters("Rita Repeat")
-    me.scans()
-    first = served.page.desk.state.takes[0].result
-    me.drags(texts.THRESHOLD, -10)
-    until(lambda: not served.page.desk.state.camera.automatic)
-    me.presses(texts.REPROCESS)
-    until(lambda: served.page.desk.state.takes[0].result != first and served.page.desk.state.job is None)
-    again = served.page.desk.state.takes[0].result
-    me.presses(texts.REPEAT)
-    until(lambda: served.page.desk.state.takes[0].verdict == "repeat")
-
-    assert first is not None and again is not None
-    assert again.settings["threshold"] == served.page.desk.state.camera.threshold != first.settings["threshold_used"]
-    assert served.page.desk.state.scan.side == "left"
-    assert not served.page.desk.state.takes[0].in_use
-    me.tab.get_by_role("checkbox").first.click()  # automatic again
-
-
 def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, me: Operator) -> None:
     me.goes_to(texts.TAB_SYSTEM)
     me.presses(texts.EXAMINE)
     me.tab.get_by_role("dialog").get_by_role("button", name=texts.EXAMINE).click()
+    until(lambda: bool(served.page.desk.state.examined) and served.page.desk.state.job is None)
     me.sees(re.compile("frames/s."))
-    until(lambda: served.page.desk.state.job is None)
 
     assert {found.device for found in served.page.desk.state.examined} >= {"camera", "encoder", "io"}
     assert all(found.grade != "trouble" for found in served.page.desk.state.examined)
@@ -101,3 +82,25 @@ def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
 
     assert (after.said.load, after.said.side, after.stale) == ("seated", before.said.side, False)
     assert after.result is not None and before.result is not None and after.result.id != before.result.id
+
+
+def test_a_missing_toe_and_a_dressing_are_declared_and_come_back_with_the_patient(served: Served, me: Operator) -> None:
+    desk, store = served.page.desk, served.page.station.store
+    me.enters("Mia Missing")
+    me.tab.get_by_text(texts.DECLARE, exact=True).click()
+    me.tab.get_by_label(texts.DECLARE_PARTS["toe_2"]).click()
+    me.types(texts.DRESSINGS, "gauze on the heel")
+    me.presses(texts.DECLARE_GO)
+    me.sees(re.compile("toe 2 is missing; dressings: gauze on the heel"))
+    until(lambda: desk.state.job is None)
+    patient = desk.state.patient
+    assert patient is not None
+    (foot,) = store.feet(store.visits(patient.id)[0].id)
+    me.takes_patient("Jürgen Muster")
+    until(lambda: not desk.state.feet)
+    me.takes_patient("Mia Missing")
+    until(lambda: desk.state.feet == (foot,))
+
+    assert (foot.side, foot.facts.missing, foot.facts.dressings) == ("left", ("toe_2",), "gauze on the heel")
+    assert me.tab.get_by_label(texts.DECLARE_PARTS["toe_2"]).is_checked()
+    me.tab.get_by_text(texts.DECLARE, exact=True).click()

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+import trimesh
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
@@ -43,7 +44,7 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     clinician.picture(tmp_path / "customised.png")
     custom = desk.state.last.custom
     files: dict[str, Path] = {}
-    for label in ("3DM", "Sheet"):
+    for label in ("STL", "3DM", "Sheet"):
         with clinician.tab.expect_download() as download:
             clinician.button(label).click()
         files[label] = tmp_path / download.value.suggested_filename
@@ -57,6 +58,11 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     mesh = read_3dm(files["3DM"]).mesh
     mesh.merge_vertices(digits_vertex=4)
     assert mesh.volume == pytest.approx(custom.skin.mesh().volume, rel=1e-3)
+    milled = trimesh.load_mesh(files["STL"])
+    assert milled.is_watertight
+    assert milled.volume == pytest.approx(mesh.volume, rel=1e-3)
+    assert milled.extents == pytest.approx(mesh.extents, abs=0.1)
+    assert files["STL"].name == f"{desk.state.last.last_id}-customised.stl"
     assert files["3DM"].name == f"{desk.state.last.last_id}-customised.3dm"
     assert files["Sheet"].read_bytes().startswith(b"%PDF")
     clinician.presses(texts.LAST_HIDE)

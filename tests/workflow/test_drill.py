@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from footscan import app
+from footscan.optics.tables import build_tables
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.control import SessionSetup
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.drill import CASES, Drill
 from footscan.workflow.drill_result import TARGET_S
-from footscan.workflow.process import build_tables
 from footscan.workflow.scan import find_scans
 from tests.scanning.session.conftest import small_rig
 

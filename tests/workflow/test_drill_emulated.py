@@ -8,11 +8,11 @@ from footscan import app
 from footscan.config.rig_file import Rig, load_rig
 from footscan.config.toml_file import read_toml, toml_bytes, write_whole
 from footscan.errors import ConfigError
+from footscan.optics.tables import build_tables
 from footscan.scanning.session.control import SessionSetup
 from footscan.workflow.designs import builtin_config, builtin_rig
 from footscan.workflow.drill import EMULATED_CASES, Drill, cases_of
 from footscan.workflow.drill_result import TARGET_S, WATCHDOG_TARGET_S
-from footscan.workflow.process import build_tables
 from footscan.workflow.scan import find_scans
 
 SMALLER = 3
