@@ -36,6 +36,9 @@ MALLEOLUS_WINDOW = (0.15, 0.35)
 JUNCTION_BAND_RAD = (np.radians(25.0), np.radians(60.0))
 _LEVEL_STEP_SHARE, _CLEAR_BULGE_SHARE, _MALLEOLUS_PARABOLA_SHARE = 0.005, 0.002, 0.045
 
+_SKIN_WITHIN_MM = 0.1
+"""Twice what seen skin lies off (RMS 0.05 mm): a lean of so much over half a bulge moves its top."""
+
 NEEDS_HAND = "needs palpation"
 
 
@@ -43,12 +46,14 @@ NEEDS_HAND = "needs palpation"
 class Landmark:
     """A place on the foot.
 
-    `xyz_foot` `(3,)` mm; `doubts` say why what depends on it is not reliable, empty when nothing speaks against it.
+    `xyz_foot` `(3,)` mm; `doubts` say why what depends on it is not reliable, empty when nothing speaks against it;
+    `height_within_mm` says how well its height is known where that hangs on the top of a flat bulge.
     """
 
     xyz_foot: Floats
     source: Literal["auto", "manual"] = "auto"
     doubts: tuple[str, ...] = ()
+    height_within_mm: float = 0.0
 
 
 Landmarks = Mapping[str, Landmark]
@@ -265,7 +270,10 @@ def _bulge_of_profile(heights: Floats, points: Floats, sign: float, length_mm: f
     half_width = _MALLEOLUS_PARABOLA_SHARE * length_mm
     height = parabola_top(heights, out, float(heights[best]), half_width)
     y = sign * float(fit_parabola(heights, sign * points[:, 1], height, half_width / 2.0)[0])
-    return Landmark(np.array([float(np.interp(height, heights, points[:, 0])), y, height]), doubts=doubts)
+    place = np.array([float(np.interp(height, heights, points[:, 0])), y, height])
+    rise = max(-float(fit_parabola(heights, out, height, half_width)[2]), 1e-6)
+    within = min(half_width * _SKIN_WITHIN_MM / (2.0 * rise), half_width)
+    return Landmark(place, doubts=doubts, height_within_mm=within)
 
 
 RULES: tuple[LandmarkRule, ...] = (

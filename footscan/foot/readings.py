@@ -26,6 +26,8 @@ WIDTH_HEIGHT_SHARE = 0.16
 UNSEEN_LIMIT = 0.10
 """A girth of which more than this share, above the sole's edge, was not seen is not reliable."""
 END_MM = 1.0
+FLAT_MM = 0.3
+"""A height known worse than this is not reliable."""
 _BESIDE_SHARE = 0.06
 """The end of a length is the skin within `END_MM` of its extreme; at the ball, within this share of the length in x."""
 _MTH = ("metatarsale_tibiale", "metatarsale_fibulare")
@@ -87,8 +89,14 @@ def level_distance(first: str, second: str) -> Callable[[StandingFoot, Landmarks
 
 
 def height_of(name: str) -> Callable[[StandingFoot, Landmarks], Reading]:
-    """Height of a landmark above the board."""
-    return lambda _, marks: Reading(float(marks[name].xyz_foot[2]))
+    """Height of a landmark above the board; on a flat bulge it is known badly, and that is a doubt."""
+
+    def measure(_: StandingFoot, marks: Landmarks) -> Reading:
+        within = marks[name].height_within_mm
+        flat = (f"the bulge is flat: its top is known to {within:.1f} mm only",) if within > FLAT_MM else ()
+        return Reading(float(marks[name].xyz_foot[2]), None, flat)
+
+    return measure
 
 
 def _between(first: Landmark, second: Landmark) -> Floats:

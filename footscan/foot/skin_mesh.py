@@ -9,6 +9,7 @@ from scipy.spatial import Delaunay, KDTree
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
 from footscan.foot.nurbs import SplineTube
+from footscan.foot.skin_grid import grid_places
 
 _OVERLAP = 1.01  # area of all facets over the outline's own: more is an outline that crosses itself
 _CLEAR = 0.6  # of a facet: how far points within a flat part keep from its outline
@@ -40,13 +41,13 @@ def build_skin_mesh(tube: SplineTube, facet_mm: float) -> SkinMesh:
 
     Args:
         tube: The fitted surface.
-        facet_mm: Wanted length of facet edges.
+        facet_mm: Longest wanted edge of facets; they are shorter where the skin bends (`skin_grid`).
 
     Raises:
         MeshError: The outline of the sole or of the cut crosses itself.
     """
-    around, up = grid_counts(tube, facet_mm)
-    u, v = np.arange(around) / around, np.linspace(0.0, 1.0, up)
+    u, v = grid_places(tube, facet_mm)
+    around, up = len(u), len(v)
     skin = tube.grid(u, v)
     ring = np.arange(around)
     sole_xy, sole_facets = fill_outline(skin[0, :, :2], facet_mm, "sole")
@@ -57,16 +58,6 @@ def build_skin_mesh(tube: SplineTube, facet_mm: float) -> SkinMesh:
     facets = np.concatenate([skin_facets(around, up), sole_ids[sole_facets][:, ::-1], cut_ids[cut_facets]])
     xyz = np.concatenate([skin.reshape(-1, 3), _at_height(sole_xy, skin[0, 0, 2]), _at_height(cut_xy, skin[-1, 0, 2])])
     return SkinMesh(xyz, facets, np.tile(u, up), np.repeat(v, around), around, len(sole_xy))
-
-
-def grid_counts(tube: SplineTube, facet_mm: float) -> tuple[int, int]:
-    """Vertices around and rows up for a facet size."""
-    coarse = tube.grid(np.linspace(0.0, 1.0, 121), np.linspace(0.0, 1.0, 61))
-    around = np.linalg.norm(np.diff(coarse, axis=1), axis=2).sum(axis=1)
-    up = np.linalg.norm(np.diff(coarse, axis=0), axis=2).sum(axis=0)
-    return max(24, round(float(np.percentile(around, 90)) / facet_mm)), max(
-        12, round(float(np.percentile(up, 90)) / facet_mm)
-    )
 
 
 def skin_facets(around: int, up: int) -> Ints:

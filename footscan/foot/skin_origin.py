@@ -1,8 +1,8 @@
 """Which skin was seen: decided from the measured points alone, by closing gaps as wide as the stripes lie apart.
 
 A place counts as covered when a measured point lies within a radius; the covered region is then shrunk by most of that
-radius along the skin. Gaps between neighbouring stripes close, and the border of the seen region comes to lie half a
-millimetre or so beyond the last points: a stripe stands for the skin beside it.
+radius along the skin. Gaps between neighbouring stripes close, and the border of the seen region comes to lie up to a
+millimetre beyond the last points: a stripe stands for the skin beside it.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ _PROBES = 4000
 _PROBE_RADIUS = 6.0
 _REACH = 0.9  # of the stripe spacing: two stripes whose gap is closed may lie 1.8 spacings apart
 _RADIUS_MM = (1.2, 4.0)
-_BESIDE, _BESIDE_MM = 0.3, 0.45  # of the radius, and at most: how far beyond the last points skin counts as seen
+_BESIDE, _BESIDE_MM = 0.5, 1.0  # of the radius, and at most: how far beyond the last points skin counts as seen
+_HALF_WAY = 0.1  # of a facet: a vertex stands for the facets around it
 
 
 class Origin(IntEnum):
@@ -68,7 +69,7 @@ def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats, facet_mm: floa
         xyz_mm: `(n, 3)` places.
         tree: Of the measured points.
         radius_mm: `(n,)` closing radius.
-        facet_mm: Distance between places; a quarter of it is added to what the region is shrunk by.
+        facet_mm: Distance between places; a share of it is added to what the region is shrunk by.
     """
     near = tree.query(xyz_mm, distance_upper_bound=float(radius_mm.max()), workers=-1)[0] <= radius_mm
     if near.all() or not near.any():
@@ -76,7 +77,7 @@ def find_covered(xyz_mm: Floats, tree: KDTree, radius_mm: Floats, facet_mm: floa
     farthest = float(radius_mm.max()) + facet_mm
     gap = KDTree(xyz_mm[~near]).query(xyz_mm[near], distance_upper_bound=farthest, workers=-1)[0]
     beside = np.minimum(_BESIDE * radius_mm[near], _BESIDE_MM)
-    near[near] = gap > radius_mm[near] - beside + 0.25 * facet_mm
+    near[near] = gap > radius_mm[near] - beside + _HALF_WAY * facet_mm
     return near
 
 

@@ -11,7 +11,7 @@ from footscan.foot.skin_mesh import SkinMesh, build_skin_mesh
 from footscan.foot.skin_origin import Origin, classify, closing_radius_mm, find_covered, find_stripe_spacing
 from footscan.foot.surface import FootSurface
 
-FACET_MM = 1.6
+FACET_MM = 2.0
 _NEAR_POINTS = 4
 _ONE_LASER = 1.5  # of the closing radius: one laser's stripes lie twice as far apart as both lasers'
 
@@ -21,7 +21,7 @@ def mesh_from_surface(surface: FootSurface, facet_mm: float = FACET_MM) -> trime
 
     Args:
         surface: The fitted foot.
-        facet_mm: Wanted length of facet edges.
+        facet_mm: Longest wanted edge of facets; they are shorter where the skin bends.
 
     Returns:
         A watertight mesh with outward normals and `vertex_attributes`: `origin` (see `Origin`), `sheets` (0..2 lasers

@@ -1,14 +1,22 @@
 """A smooth foot made of formulas: heel, arch, ball, hints of five toes, malleoli, leg. A right foot, toes to +x."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from threadpoolctl import threadpool_limits
 
 LENGTH_MM = 260.0
+
+
+@pytest.fixture(scope="package", autouse=True)
+def one_blas_thread() -> Iterator[None]:
+    """As `workflow.foot` runs: two threads that wait for each other cost more than they bring."""
+    with threadpool_limits(1):
+        yield
 
 
 def _outline(angle: np.ndarray) -> np.ndarray:

@@ -116,6 +116,21 @@ def _below(mesh, height_mm):
     return shell.xyz, shell.faces
 
 
+def test_the_height_of_a_malleolus_that_hardly_stands_out_is_not_reliable_and_says_how_well_it_is_known(foot, measured):
+    flat = foot.copy()
+    x, y, z = np.asarray(foot.vertices).T / 260.0
+    bulge = 0.05 * np.exp(-(((x - 0.25) / 0.06) ** 2) - ((z - 0.315) / 0.035) ** 2) * np.clip(y / 0.1, 0.0, 1.0)
+    flat.vertices = 260.0 * np.column_stack([x, y - 0.75 * bulge, z])
+
+    doubted = measure(flat, "right")["malleolus_medialis_height"]
+
+    assert measured["malleolus_medialis_height"].reliable
+    assert doubted.value == pytest.approx(measured["malleolus_medialis_height"].value, abs=8.0)
+    assert not doubted.reliable
+    assert "the bulge is flat: its top is known to 0." in doubted.reason
+    assert measure(flat, "right")["malleolus_lateralis_height"].reliable
+
+
 def test_the_metatarsal_heads_are_found_where_the_foot_of_formulas_has_them(measured):
     length = measured["foot_length"].value
 

@@ -4,6 +4,8 @@ import trimesh
 from scipy.spatial import KDTree
 
 from footscan.errors import MeshError
+from footscan.foot.nurbs import SplineTube, clamped_knots
+from footscan.foot.skin_grid import grid_places
 from footscan.foot.skin_mesh import fill_outline, inside_outline
 from footscan.foot.skin_origin import Origin, classify, find_covered
 
@@ -79,3 +81,26 @@ def test_unseen_skin_is_assumed_sole_only_below_the_lowest_seen_skin() -> None:
     classes = classify(covered, np.array([0.05, 0.05, 0.5, 0.5]), np.full(4, 0.1))
 
     assert classes.tolist() == [Origin.SEEN, Origin.ASSUMED_SOLE, Origin.BRIDGED, Origin.SEEN]
+
+
+def test_columns_lie_closer_where_a_tube_bends_and_nowhere_further_apart_than_asked() -> None:
+    turn = 2.0 * np.pi * np.arange(120) / 120
+    ring = np.column_stack([100.0 * np.cos(turn), 25.0 * np.sin(turn)])
+    knots = clamped_knots(np.linspace(0.0, 1.0, 11))
+    height = np.linspace(0.0, 60.0, len(knots) - 4)
+    net = np.concatenate([np.tile(ring, (len(height), 1, 1)), np.repeat(height, 120).reshape(-1, 120, 1)], axis=2)
+    tube = SplineTube(net, knots)
+
+    u, v = grid_places(tube, 2.0)
+    fine = tube.grid(np.arange(20000) / 20000, np.array([0.5]))[0]
+    way = np.linalg.norm(np.diff(fine, axis=0, append=fine[:1]), axis=1)
+    along = np.interp(np.append(u, 1.0), np.arange(20001) / 20000, np.concatenate([[0.0], np.cumsum(way)]))
+    step = np.diff(along)
+    at_ends = np.abs(tube.grid(u, np.array([0.5]))[0, :, 0]) > 95.0
+
+    assert step.max() < 2.05
+    assert step[at_ends].max() < 1.2
+    assert np.diff(v).max() * 60.0 < 4.0
+    assert u[0] == v[0] == 0.0
+    assert v[-1] == 1.0
+    assert u[-1] < 1.0

@@ -22,24 +22,26 @@ from footscan.workflow.process import ProcessSettings, ScanResult, process_recor
 from footscan.workflow.truth import distance_to_surface_mm
 
 NAMES = ("foot-left-ideal", "foot-right-workshop")
-# Values beyond the target of 0.2 mm on one of these two feet; docs/decisions/0021 says why.
+# Values beyond the target of 0.2 mm on one of these two feet; docs/decisions/0022 says why.
 KNOWN_MM = {
-    "foot_length": 0.33,
-    "foot_length_a1": 0.23,
-    "overall_length": 0.33,
-    "overall_breadth": 0.24,
+    "foot_length": 0.32,
+    "overall_length": 0.32,
+    "overall_breadth": 0.23,
     "malleolus_medialis_height": 0.48,
     "malleolus_lateralis_height": 0.21,
-    "ball_length": 0.27,
+    "ball_length": 0.34,
 }
+# Those of them that say themselves that they are not to be trusted so far.
+DOUBTED = {"foot-left-ideal": (), "foot-right-workshop": ("malleolus_medialis_height", "ball_length")}
 # A whole girth rests on the assumed edge of the sole as well.
 GIRTH_MM = 0.9
 # Tape over seen skin; the true leg of these feet is a prism with edges above 98 mm, which a scan rounds off.
-SEEN_TAPE_MM = {"ankle_girth": 0.8}
+SEEN_TAPE_MM = {"ankle_girth": 0.83}
 
 
 @dataclass(frozen=True)
 class Compared:
+    name: str
     foot: MeasuredFoot
     truth: trimesh.Trimesh
     seen: np.ndarray
@@ -57,7 +59,7 @@ def compared(request, shared_dir) -> Compared:
     truth = trimesh.load(folder / "truth.stl", force="mesh", process=False)
     seen = np.load(folder / "truth-seen.npy") > 0
     foot = measure_scan(result.cloud, side, recording.info.subject, xy_board=result.xy_board)
-    return Compared(foot, truth, seen, measure(truth, side), result)
+    return Compared(request.param, foot, truth, seen, measure(truth, side), result)
 
 
 def test_the_surface_is_closed_and_the_seen_skin_exact(compared):
@@ -72,7 +74,7 @@ def test_the_surface_is_closed_and_the_seen_skin_exact(compared):
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert mesh.volume > 0
-    assert np.sqrt(np.mean(off_mm[on_seen] ** 2)) <= 0.065
+    assert np.sqrt(np.mean(off_mm[on_seen] ** 2)) <= 0.06
 
 
 def test_unseen_skin_is_never_called_seen(compared):
@@ -86,8 +88,8 @@ def test_unseen_skin_is_never_called_seen(compared):
     origin = np.asarray(compared.foot.mesh.vertex_attributes["origin"])
     called_seen = origin[PointTree(vertices).nearest(samples, 1)[1][:, 0]] == Origin.SEEN
 
-    assert called_seen[clear & ~seen].mean() <= 0.025
-    assert (~called_seen[clear & seen]).mean() <= 0.04
+    assert called_seen[clear & ~seen].mean() <= 0.04
+    assert (~called_seen[clear & seen]).mean() <= 0.03
 
 
 def test_the_bare_board_brings_the_assumed_skin_nearer_to_the_true_skin(compared):
@@ -122,6 +124,8 @@ def test_measurements_are_those_of_the_true_foot(compared):
             assert value.unit != "mm" or value.value == pytest.approx(true.value, abs=GIRTH_MM), name
         elif value.unit == "mm":
             assert value.value == pytest.approx(true.value, abs=KNOWN_MM.get(name, 0.2)), name
+    for name in DOUBTED[compared.name]:
+        assert not compared.foot.measurements[name].reliable, name
 
 
 def test_girths_are_exact_on_the_skin_that_was_seen(compared):
