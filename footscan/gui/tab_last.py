@@ -73,6 +73,7 @@ class LastTab:
             self._transition = gui.add_slider(
                 texts.LAST_TRANSITION, 6.0, 30.0, 1.0, TRANSITION_MM, hint=texts.LAST_TRANSITION_HINT
             )
+            self._smooth = gui.add_slider(texts.LAST_SMOOTH, 0.0, 1.0, 0.1, 0.0, hint=texts.LAST_SMOOTH_HINT)
             self._hold = gui.add_checkbox(texts.LAST_HOLD, True, hint=texts.LAST_HOLD_HINT)
             places = tuple(place.replace("_", " ") for place in _PLACES)
             self._pin_at = gui.add_dropdown(texts.LAST_PIN_AT, places)
@@ -221,7 +222,12 @@ class LastTab:
             return
         from footscan.shoelast.customise import CustomSettings
 
-        settings = CustomSettings(float(self._transition.value), hold=bool(self._hold.value), pins=choice.pins)
+        settings = CustomSettings(
+            float(self._transition.value),
+            hold=bool(self._hold.value),
+            pins=choice.pins,
+            smooth_mm=float(self._smooth.value),
+        )
         self._desk.job(
             texts.JOB_CUSTOMISE,
             lambda progress: self._fitting.customised(foot, choice.last_id, choice.profile, settings, progress),

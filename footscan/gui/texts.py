@@ -345,6 +345,10 @@ LAST_GIRTH_HEAD = "<tr><th>Tape, mm</th><th>Foot</th><th>Last</th><th>Last less 
 LAST_ALLOWANCES = "Allowances"
 LAST_TRANSITION = "Transition (mm)"
 LAST_TRANSITION_HINT = "How far a change reaches beyond the skin that asks for it; longer is softer and adds material"
+LAST_SMOOTH = "Smooth within (mm)"
+LAST_SMOOTH_HINT = (
+    "The customised last may move by so much where that makes it fairer; the proof is about the smoothed last"
+)
 LAST_HOLD = "May take material away"
 LAST_HOLD_HINT = "At heel sides, waist and instep, where the foot has too much room; never at the toes"
 LAST_PIN_AT = "Pin at"

@@ -25,6 +25,7 @@ from footscan.shoelast.import_repair import RepairedLast, check_crossings, repai
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.pose import levelled, settled
 from footscan.shoelast.source import LastSource
+from footscan.shoelast.split_faces import with_short_edges
 
 FIT_LIMIT_MM, EDGE_LIMIT_MM = 0.05, 0.15
 """What an import is meant to reach (RMS); what it did reach is in the remarks, and far beyond it is refused."""
@@ -70,6 +71,7 @@ def shoelast_from_mesh(
     trimmed = without_attachments(laid.xyz, laid.faces, laid.bodies)
     closed, faces, rims = without_holes(trimmed.xyz, trimmed.faces)
     words = check_whole(closed, faces, rims) + check_crossings(trimmed.xyz, trimmed.faces)
+    closed, faces, rims = without_holes(*with_short_edges(trimmed.xyz, trimmed.faces))
     measured = np.ones(len(closed), dtype=np.bool_)
     measured[len(closed) - len(rims) :] = False
     given = {name: line @ frame[:3, :3].T + frame[:3, 3] for name, line in source.lines.items()}

@@ -15,7 +15,7 @@ from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.import_last import ImportFit, shoelast_from_mesh
 from footscan.shoelast.import_pose import check_length, likely_unit
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.skin import Sampling
+from footscan.shoelast.skin import CONE_TOP, Sampling, skin_of
 from footscan.shoelast.source import LastSource
 from tests.shoelast.digitised import Wear, digitise
 
@@ -64,6 +64,22 @@ def test_a_worn_last_is_fitted_as_well_as_it_was_digitised(worn: tuple[Shoelast,
     assert worn[1].rms_mm <= 0.05
     assert worn[1].edge_rms_mm <= 0.15
     assert worn[1].largest_mm <= 0.2
+
+
+def test_long_facets_across_a_flat_cone_top_as_cad_writes_them_are_no_hindrance(truth: Shoelast):
+    skin = skin_of(truth, COARSE)
+    rim = np.flatnonzero(skin.uv[:, 1] == 1.0)
+    ahead, back = rim[: len(rim) // 2 + 1], np.append(rim[:1], rim[: len(rim) // 2 - 1 : -1])
+    strips = [np.column_stack([ahead[:-1], ahead[1:], back[1:]]), np.column_stack([ahead[:-1], back[1:], back[:-1]])]
+    top = np.vstack(strips)
+    top = top[(top != np.roll(top, 1, axis=1)).all(axis=1)]
+    cad = trimesh.Trimesh(skin.xyz_shoelast, np.vstack([skin.faces[skin.patch != CONE_TOP], top]), process=False)
+
+    _, fit = imported(cad)
+
+    assert cad.edges_unique_length.max() > 20.0
+    assert fit.rms_mm <= 0.05
+    assert fit.largest_mm <= 0.2
 
 
 def test_its_dimensions_are_those_of_the_last_without_the_stub(truth: Shoelast, worn: tuple[Shoelast, ImportFit]):
