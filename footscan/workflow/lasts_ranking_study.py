@@ -7,9 +7,10 @@ import numpy as np
 import trimesh
 
 from footscan.coordinates import Side
+from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.last_library import LastEntry
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
-from footscan.shoelast.profile import load_profile, profile_data
+from footscan.shoelast.profile import load_profile
 from footscan.shoelast.rank import Ranked, rank
 from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
 
