@@ -17,6 +17,7 @@ from footscan.gui.state import PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
 from footscan.scanning.session.states import Snapshot
+from footscan.workflow.designs import builtin_config
 
 if TYPE_CHECKING:
     from footscan.devices.diagnosis import Finding as Examined
@@ -118,7 +119,8 @@ def device_facts(station: Station) -> Iterator[tuple[str, str]]:
     rig, facts = station.rig, station.session.facts
     size = f"{facts.width_px} x {facts.height_px} px, {facts.frames_per_s:g} frames/s"
     yield texts.FACT_MACHINE, rig.scanner.machine_id or rig.scanner.name
-    yield texts.FACT_RIG, str(rig.path)
+    built_in = rig.path == builtin_config("sim")
+    yield texts.FACT_RIG, texts.FACT_RIG_BUILT_IN if built_in else str(rig.path)
     yield texts.FACT_CAMERA, f"{facts.name}: {size}, {1000.0 * facts.exposure_s:g} ms"
     yield texts.FACT_ENCODER, f"{rig.devices.encoder.kind}, {rig.scanner.encoder.steps_per_rev} steps per turn"
     yield texts.FACT_OUTPUTS, rig.devices.io.kind
