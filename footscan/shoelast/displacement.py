@@ -32,13 +32,11 @@ MOST_ROUNDS, _MORE_ROUNDS = 8, 4
 _FIRST_MESH = Sampling(300, 100, 32)
 _RAISED_MM, _ENOUGH_MM, _BESIDE_MM = 0.05, 0.03, 0.05
 """Room beyond the least that is asked where the mesh lacked, for its facets; what a round leaves alone."""
-_EVERY, _DOUBTFUL_MM = 2, 0.3
-"""Of the samples every so many are looked at while the displacement is looked for, and only those that might lack room;
-all are when it is found."""
+_DOUBTFUL_MM = 0.3
+"""Samples further than this from lacking room are looked at when the displacement is found, not before."""
 _LEAST_SAY = 0.05
-_RISE_REACH, _DIP_MM = 3.0, 0.2
-"""A later rise may reach over so many transition lengths, but not beyond what may change at all;
-beside what it raises it may lower the surface so far."""
+_RISE_REACH = 3.0
+"""A later rise may reach over so many transition lengths, but not beyond what may change at all."""
 
 
 class DisplacementTask:
@@ -55,7 +53,7 @@ class DisplacementTask:
     def solved(self, registration: Registration) -> CustomLast:
         """Find the displacement, look at the mesh, and raise it where it lacks, until the mesh holds the foot."""
         case = self.case
-        some = np.flatnonzero(case.judged.seen)[::_EVERY]
+        some = np.flatnonzero(case.judged.seen)
         need, before = find_need(case.chart, self.skin, self.mesh, case.samples.xyz[some], case.room.of(some))
         check_not_everywhere(case.shoelast, before)
         widening = find_widening(case.chart, need, case.profile.most_overhang_mm)
@@ -135,8 +133,8 @@ class DisplacementTask:
         self._near |= case.region.near(places, case.transition_mm)
         free = self._free() & case.region.free(case.region.near(places, _RISE_REACH * case.transition_mm))
         wanted = case.chart.rows(raised.u, raised.v)
-        dip = np.maximum(np.minimum(asked.least - state.coefficients, 0.0), -_DIP_MM)
-        unknowns = find_unknowns(free, state.coefficients, dip, case.coarse, wanted)
+        none = np.zeros(case.chart.shape)
+        unknowns = find_unknowns(free, state.coefficients, none, case.coarse, wanted)
         return self._state(
             self._solve(unknowns, asked.rows, asked.pulls, fair_energy(case, RISE_FAIR_SHARE, free)), self.breaks
         )
