@@ -8,6 +8,9 @@ from typing import Annotated
 import typer
 
 from footscan.cli.console import STDOUT
+from footscan.errors import FootscanError
+
+_BROWSER_COMES_S = 15.0
 
 
 def serve(
@@ -27,18 +30,22 @@ def serve(
 ) -> None:
     """Open the page from which the machine is driven; Ctrl-C ends it."""
     # What takes long to load is loaded behind the open door, while the browser loads the page.
-    from footscan.gui.door import Address, opened_door, url_of  # noqa: PLC0415
+    from footscan.gui.door import Address, opened_door, tell_refusal, url_of  # noqa: PLC0415
 
     address = Address(host, port, tuple(origin or ()))
     with opened_door(address) as server:
         url = url_of(server, address)
         STDOUT.print(f"footscan is at {url}{'' if check else '  (Ctrl-C ends it)'}")
-        if not no_browser and not check and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-            webbrowser.open(url)
+        desktop = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+        shown = desktop and not no_browser and not check and webbrowser.open(url)
         from footscan.gui.readiness import hurried  # noqa: PLC0415
 
         with hurried():
             from footscan.cli.served import Wishes, serve_wished  # noqa: PLC0415
 
-        serve_wished(server, address, Wishes(rig, data, demo, check))
+        try:
+            serve_wished(server, address, Wishes(rig, data, demo, check))
+        except FootscanError as err:
+            tell_refusal(server, str(err), _BROWSER_COMES_S if shown else 0.0)
+            raise
     STDOUT.print("ended; lasers and motor are off.")

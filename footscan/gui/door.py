@@ -1,9 +1,11 @@
 """The door of the page: this computer only, known origins only, no tunnel; a busy port is said at once."""
 
 import functools
+import html
 import re
 import socket
 import threading
+import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
@@ -28,6 +30,8 @@ _UNUSED = (
     _messages.GuiFormSubmitMessage,
     _messages.GuiFormDirtyMessage,
 )
+_TOLD_S = 1.5
+"""What was sent reaches a browser that is still drawing."""
 _opening = threading.Lock()
 
 
@@ -115,6 +119,26 @@ def opened_door(address: Address) -> Generator[viser.ViserServer]:
         yield server
     finally:
         server.stop()
+
+
+def tell_refusal(server: viser.ViserServer, why: str, patience_s: float) -> None:
+    """Show why nothing can be opened, in place of everything else; the browser keeps it when the door closes.
+
+    Args:
+        server: The door.
+        why: The whole sentence.
+        patience_s: How long to wait for a browser that is on its way.
+    """
+    server.gui.reset()
+    server.gui.add_html(
+        f'<div role="alert" style="padding:1em;font-size:16px"><b style="color:#c81e1e">{texts.NOT_OPENED}</b>'
+        f"<p>{html.escape(why)}</p><p>{texts.NOT_OPENED_NEXT}</p></div>"
+    )
+    until_s = time.monotonic() + patience_s
+    while not server.get_clients() and time.monotonic() < until_s:
+        time.sleep(0.1)
+    if server.get_clients():
+        time.sleep(_TOLD_S)
 
 
 def url_of(server: viser.ViserServer, address: Address) -> str:

@@ -13,6 +13,7 @@ from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
+from footscan.records import Take
 from footscan.scanning.session.states import Snapshot
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class ScanTab:
         self._accept = gui.add_button(texts.ACCEPT, hint=texts.ACCEPT_HINT, color="green", visible=False)
         self._remark = gui.add_text(texts.REMARK_LABEL, "", visible=False, hint=texts.REMARK_LABEL_HINT)
         self._use = gui.add_button(texts.REMARK, hint=texts.REMARK_HINT, visible=False)
+        self._remarked: int | None = None
         self._repeat = gui.add_button(texts.REPEAT, hint=texts.REPEAT_HINT, visible=False)
         self._again = gui.add_button(texts.REPROCESS, hint=texts.REPROCESS_HINT, visible=False)
         with gui.add_folder(texts.KEPT_SCANS, expand_by_default=False) as self._fold:
@@ -102,6 +104,9 @@ class ScanTab:
         put(self._note, content=_box(_note(state)))
         put(self._verdict, content=_box(_verdict(state)))
         judged = state.take is not None and state.step == "result" and not busy
+        if state.take is not None and state.take.id != self._remarked:
+            self._remarked = state.take.id
+            put(self._remark, value="")  # another take's remark is not signed for this one
         for handle in (self._accept, self._remark, self._use, self._repeat, self._again):
             put(handle, visible=judged)
         kept = tuple(_kept_words(scan) for scan in state.kept) or (texts.KEPT_NONE,)
@@ -150,8 +155,15 @@ def _verdict(state: PageState) -> str:
         lines.append(f"<b>{html.escape(str(verdict.get('action', '')))}</b>")
     lines += _agreement(report) + _coverage(report)
     used = f", {texts.IN_USE}" if take.in_use else ""
-    lines.append(f"{texts.DECISION}: <b>{html.escape(texts.VERDICTS[take.verdict])}{used}</b>")
+    lines.append(f"{texts.DECISION}: <b>{html.escape(texts.VERDICTS[take.verdict])}{used}</b>{_signed(take)}")
     return "<br>".join(line for line in lines if line)
+
+
+def _signed(take: Take) -> str:
+    if take.verdict == "undecided":
+        return ""
+    words = f"{take.verdict_by}: {take.verdict_remark}" if take.verdict_remark else str(take.verdict_by)
+    return f" ({html.escape(words)})"
 
 
 def _agreement(report: Mapping[str, Any]) -> list[str]:

@@ -4,6 +4,7 @@ import socket
 from collections.abc import Generator
 from contextlib import redirect_stdout
 from io import StringIO
+from typing import TYPE_CHECKING
 
 import pytest
 import viser
@@ -11,7 +12,11 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from footscan.errors import ConfigError, InputError
-from footscan.gui.door import Address, check_address, open_door
+from footscan.gui import texts
+from footscan.gui.door import Address, check_address, open_door, opened_door, tell_refusal, url_of
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 ORIGIN = "https://scanner.example"
 PROTOCOL = [f"viser-v{viser.__version__}"]
@@ -86,3 +91,18 @@ def test_an_origin_that_would_open_more_than_a_proxy_is_refused(origin: str) -> 
 def test_nobody_opens_a_tunnel(server: viser.ViserServer) -> None:
     with pytest.raises(ConfigError, match="switched off"):
         server.request_share_url()
+
+
+@pytest.mark.browser
+def test_what_cannot_be_opened_is_said_on_the_page_and_stays_when_the_door_closes(chromium: "Browser") -> None:
+    address, tab = Address(port=0), chromium.new_page()
+    with opened_door(address) as server:
+        tab.goto(url_of(server, address))
+        tab.get_by_text("is starting").wait_for()
+        tell_refusal(server, "the camera <b>x</b> does not exist; plug it in.", 0.0)
+    tab.wait_for_timeout(1000)
+    told = tab.get_by_role("alert").last.inner_text()
+    tab.close()
+
+    assert texts.NOT_OPENED in told
+    assert "the camera <b>x</b> does not exist; plug it in." in told

@@ -31,6 +31,7 @@ def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, me: Operat
     me.types(texts.REMARK_LABEL, "swollen ankle")
     me.presses(texts.REMARK)
     me.sees(texts.BOTH_DONE)
+    me.sees(re.compile("Olga Operator: swollen ankle"))
     takes = served.page.desk.state.takes
 
     assert [(take.said.side, take.verdict, take.in_use) for take in takes] == [
