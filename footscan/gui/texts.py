@@ -384,7 +384,8 @@ LAST_ENGRAVE_HINT = "Cut into the cone top of STL and 3DM: order, side, size; no
 LAST_LEGEND = (
     '<span style="color:#8c0a14">■</span> -6 mm &nbsp; <span style="color:#fa965a">■</span> -2 &nbsp; '
     '<span style="color:#999">□</span> 0 &nbsp; <span style="color:#6eb4eb">■</span> 3 &nbsp; '
-    '<span style="color:#0f2d78">■</span> 10 mm &nbsp; <span style="color:#969696">■</span> never seen: not judged'
+    '<span style="color:#0f2d78">■</span> 10 mm &nbsp; <span style="color:#969696">■</span> '
+    "never seen, or above the last: not judged"
 )
 LAST_LEGEND_CHANGED = (
     '<span style="color:#b08050">■</span> as the standard last &nbsp; <span style="color:#bbb">■</span> changed'

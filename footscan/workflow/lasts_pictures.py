@@ -134,7 +134,7 @@ def save_clearance_map(
         axes.set_axis_off()
     _clearance_legend(figure, target_mm)
     seen = clearance_mm[~np.isnan(clearance_mm)]
-    said = f"{len(seen) / max(len(clearance_mm), 1):.0%} of the skin was seen and is judged"
+    said = f"{len(seen) / max(len(clearance_mm), 1):.0%} of the skin was seen and lies in the last: it is judged"
     if len(seen):
         low, high = np.percentile(seen, (5.0, 95.0))
         said += f"; seen skin: least {seen.min():.1f}, 5 % {low:.1f}, mean {seen.mean():.1f}, 95 % {high:.1f} mm"
@@ -151,7 +151,7 @@ def _clearance_legend(figure: Figure, target_mm: float) -> None:
     bar = figure.colorbar(scale, cax=place, orientation="horizontal", extend="both")
     bar.set_ticks(np.arange(CLEARANCE_MM[0], CLEARANCE_MM[1] + 1.0, 2.0).tolist())
     bar.set_label(f"clearance (mm): red = the last is tighter than the skin, white = {target_mm:g}, blue = room")
-    figure.legend(handles=[_patch(UNSEEN, "never seen: not judged")], loc="lower right", fontsize=9)
+    figure.legend(handles=[_patch(UNSEEN, "never seen, or above the last: not judged")], loc="lower right", fontsize=9)
 
 
 def _patch(colour: tuple[int, int, int], words: str) -> Patch:
