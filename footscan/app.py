@@ -32,7 +32,8 @@ from footscan.devices.protocols import Camera, DigitalIo, Encoder
 from footscan.errors import ConfigError
 from footscan.optics.calibration import Calibration
 from footscan.optics.tables import build_tables
-from footscan.scanning.session.control import RigDevices, Session, SessionSetup, drive_of
+from footscan.scanning.session.assembly import RigDevices, SessionSetup, drive_of
+from footscan.scanning.session.control import Session
 from footscan.sim.calibration_run import stand_board
 from footscan.sim.clock import VirtualClock
 from footscan.sim.devices import SimCamera, SimDigitalIo, SimEncoder

@@ -17,7 +17,7 @@ from footscan.compiled import announce_compilation
 from footscan.config import load_scanner
 from footscan.optics.scanner import Scanner
 from footscan.optics.tables import build_tables
-from footscan.scanning.session.control import SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
 from footscan.sim.calibration_run import DEFAULT_CALIBRATION_PLAN
 from footscan.workflow import (
     foot_bench,

@@ -14,7 +14,7 @@ from footscan.cli.rig_option import RigOption, chosen_rig
 from footscan.config.rig_file import Rig
 from footscan.errors import ConfigError, QualityError
 from footscan.optics.tables import build_tables
-from footscan.scanning.session.control import SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
 from footscan.workflow.drill import CASES, EMULATED_CASES, Drill, cases_of
 from footscan.workflow.drill_result import DrillResult
 

@@ -12,7 +12,7 @@ from footscan.devices.pictures import View
 from footscan.devices.v4l2_camera import OpenCapture
 from footscan.errors import DeviceError
 from footscan.optics.calibration import Calibration
-from footscan.scanning.session.control import RigDevices
+from footscan.scanning.session.assembly import RigDevices
 from footscan.workflow.scan import find_scans
 
 _SCAN_BYTES = 60_000_000

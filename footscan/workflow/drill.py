@@ -12,9 +12,11 @@ from footscan.config import RecordingInfo
 from footscan.config.rig_file import Rig
 from footscan.errors import DeviceError, FootscanError, QualityError
 from footscan.optics.tables import LightTable
-from footscan.scanning.session.control import Session, SessionSetup, Ticket
+from footscan.scanning.session.assembly import SessionSetup
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
+from footscan.scanning.session.ticket import Ticket
 from footscan.sim.emulators.emulated_rig import FAULTS, Fault
 from footscan.sim.world import Trouble
 from footscan.workflow.drill_faults import FailAt, FailingCamera, FailingEncoder, FailingTable

@@ -29,7 +29,8 @@ from footscan.optics.tables import build_tables
 from footscan.scanning.angles import frame_angles
 from footscan.scanning.cloud import Cloud, cloud_from_matrix
 from footscan.scanning.recording import EncoderTrack, Recording, open_recording
-from footscan.scanning.session.control import Session, SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
 from footscan.scanning.session.states import FrameCount

@@ -39,7 +39,7 @@ from footscan.optics.calibration import theta_from_encoder
 from footscan.scanning.frames import read_frame
 from footscan.scanning.recorder import leave_out_setups
 from footscan.scanning.recording import FrameRecord, Recording, open_recording
-from footscan.scanning.session.control import Session, Ticket
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.programs import home
 from footscan.scanning.session.states import Snapshot
 from footscan.scanning.session.stops import (
@@ -50,6 +50,7 @@ from footscan.scanning.session.stops import (
     record_pass,
     record_stops,
 )
+from footscan.scanning.session.ticket import Ticket
 
 EMPTY = "empty"
 PLACEMENTS = (

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from footscan.config.rig_file import Rig
 from footscan.coordinates import Side
-from footscan.scanning.session.control import RigDevices
+from footscan.scanning.session.assembly import RigDevices
 from footscan.sim.world import World
 
 if TYPE_CHECKING:

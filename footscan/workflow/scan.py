@@ -14,11 +14,12 @@ from footscan.optics.calibration import Calibration
 from footscan.scanning.recorder import MANIFEST
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.checkup import CheckOrder, check_before_scan
-from footscan.scanning.session.control import Session, Ticket
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan
 from footscan.scanning.session.programs import COUNTDOWN_S, ScanOrder, home, scan
 from footscan.scanning.session.session_file import COMPLETE, load_outcome
 from footscan.scanning.session.states import Finding, Snapshot
+from footscan.scanning.session.ticket import Ticket
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.results import save_results
 

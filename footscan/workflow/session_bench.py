@@ -16,7 +16,8 @@ from footscan.devices.clock import Clock
 from footscan.devices.values import CameraFacts, CameraFrame
 from footscan.errors import CameraLostError
 from footscan.optics.tables import LightTable
-from footscan.scanning.session.control import Session, SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan, plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
 from footscan.scanning.session.states import FrameCount, LiveCount

@@ -23,6 +23,7 @@ def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, me: Operat
     me.scans()
     me.sees(re.compile("Lasers agree within"))
     me.sees(re.compile("Skin seen .* assumed"))
+    me.types(texts.REMARK_LABEL, "of the left foot alone")
     me.presses(texts.ACCEPT)
     me.sees("Next: the right foot.")
     me.scans()

@@ -16,7 +16,7 @@ from footscan.devices.pictures import View
 from footscan.devices.v4l2_camera import OpenCapture
 from footscan.devices.values import ALL_OFF, Outputs
 from footscan.errors import CameraLostError, DeviceError, EncoderLostError, OutputsLostError
-from footscan.scanning.session.control import RigDevices
+from footscan.scanning.session.assembly import RigDevices
 from footscan.sim.emulators.capture import Abilities
 from footscan.sim.emulators.emulated_rig import FAULTS, EmulatedRig
 from footscan.sim.emulators.server import EmulatorServer, RemoteCapture, ask

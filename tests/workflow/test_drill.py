@@ -8,7 +8,7 @@ import pytest
 from footscan import app
 from footscan.optics.tables import build_tables
 from footscan.scanning.recording import open_recording
-from footscan.scanning.session.control import SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.drill import CASES, Drill
 from footscan.workflow.drill_result import TARGET_S

@@ -9,7 +9,7 @@ from footscan.config.rig_file import Rig, load_rig
 from footscan.config.toml_file import read_toml, toml_bytes, write_whole
 from footscan.errors import ConfigError
 from footscan.optics.tables import build_tables
-from footscan.scanning.session.control import SessionSetup
+from footscan.scanning.session.assembly import SessionSetup
 from footscan.workflow.designs import builtin_config, builtin_rig
 from footscan.workflow.drill import EMULATED_CASES, Drill, cases_of
 from footscan.workflow.drill_result import TARGET_S, WATCHDOG_TARGET_S

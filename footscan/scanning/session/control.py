@@ -4,16 +4,9 @@ import contextlib
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from footscan.config.rig_file import MotionModel
-from footscan.coordinates import LaserName
-from footscan.devices.carriage import Carriage, Drive
-from footscan.devices.clock import Clock
-from footscan.devices.interlock import Interlock, InterlockLimits
-from footscan.devices.protocols import Camera, DigitalIo, Encoder
 from footscan.devices.values import CameraFacts, CameraFrame
 from footscan.errors import (
     DeviceError,
@@ -23,17 +16,13 @@ from footscan.errors import (
     InterlockError,
     OutputsLostError,
 )
-from footscan.optics.calibration import Calibration, EncoderScale
-from footscan.optics.scanner import Scanner
-from footscan.optics.tables import LightTable
-from footscan.scanning.session.angle_track import AngleTrack
+from footscan.scanning.session.assembly import Assembly, RigDevices, SessionSetup
 from footscan.scanning.session.grabber import Grabber
-from footscan.scanning.session.keeper import Keeper, LightLog
 from footscan.scanning.session.live import LiveView
 from footscan.scanning.session.machine import Machine, Program
 from footscan.scanning.session.queue_thread import failure_of_thread
-from footscan.scanning.session.states import BUSY, LiveCount, Snapshot, State
-from footscan.scanning.session.timeline import Timeline
+from footscan.scanning.session.states import BUSY, Snapshot, State
+from footscan.scanning.session.ticket import Ticket
 from footscan.scanning.session.warm_up import warm_up
 
 ROUND_S = 0.01
@@ -42,78 +31,13 @@ WRITING_S = 60.0
 """A slow disk gets so long to take the frames still in the queue when the machine is closed."""
 
 
-@dataclass(frozen=True)
-class RigDevices:
-    """The opened devices and the time they share."""
-
-    camera: Camera
-    encoder: Encoder
-    io: DigitalIo
-    clock: Clock
-
-
-@dataclass(frozen=True)
-class SessionSetup:
-    """What a session is about: the machine's design and motion, its calibration and tables if there are any."""
-
-    scanner: Scanner
-    motion: MotionModel
-    calibration: Calibration | None
-    tables: dict[LaserName, LightTable] | None
-
-
-class Ticket:
-    """What became of a posted command."""
-
-    def __init__(self) -> None:
-        self._done = threading.Event()
-        self.error: FootscanError | None = None
-
-    def settle(self, error: FootscanError | None = None) -> None:
-        """It is over."""
-        if not self._done.is_set():
-            self.error = error
-            self._done.set()
-
-    @property
-    def done(self) -> bool:
-        """It is over, well or not."""
-        return self._done.is_set()
-
-    def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait until it is over; False if it took too long.
-
-        Raises:
-            FootscanError: It went wrong.
-        """
-        done = self._done.wait(timeout_s)
-        if self.error is not None:
-            raise self.error
-        return done
-
-
-def drive_of(scanner: Scanner, motion: MotionModel) -> Drive:
-    """The head's drive by its rig file."""
-    low, high = np.deg2rad(motion.travel_deg)
-    encoder = scanner.encoder
-    return Drive(
-        tuple(float(speed) for speed in np.deg2rad(motion.speeds_deg_per_s)),
-        float(np.deg2rad(motion.acceleration_deg_per_s2)),
-        (float(low), float(high)),
-        encoder.steps_per_rev,
-        encoder.zero_count,
-        encoder.direction,
-    )
-
-
 class Session:
     """The machine in use. `post_` methods may be called from any thread and return at once; outputs start off."""
 
     def __init__(self, devices: RigDevices, setup: SessionSetup) -> None:
         self._devices, self.setup = devices, setup
         self.clock = devices.clock
-        self._log = LightLog(Timeline(None), Timeline(None), Timeline(False), Timeline(""))
-        self._track = AngleTrack(_encoder_scale(setup))
+        self._assembly = Assembly(devices, setup)
         self._commands: deque[tuple[Callable[[Machine], Program | None], Ticket, bool]] = deque()
         self._program: Program | None = None
         self._ticket: Ticket | None = None
@@ -123,8 +47,8 @@ class Session:
         self._button_was = False
         self._frames_seen = -1
         self._thread = threading.Thread(name="control", target=self._run, daemon=True)
-        self._machine = self._build()
-        self._snapshot = self._take_snapshot()
+        self._machine = self._assembly.machine(self._hand_on)
+        self._snapshot = self._machine.snapshot()
 
     def start(self) -> None:
         """Let the threads run. Before that, compile what they need: it would hold the control thread up."""
@@ -234,41 +158,6 @@ class Session:
         live = [] if machine.live is None else [machine.live.thread]
         return [machine.grabber, machine.keeper.thread, *live]
 
-    def _build(self) -> Machine:
-        devices, setup = self._devices, self.setup
-        limits = InterlockLimits(setup.motion.watchdog_s, setup.motion.max_on_s)
-        interlock = Interlock(devices.io, devices.clock, limits, self._log.light.note)
-        carriage = Carriage(devices.encoder, interlock, drive_of(setup.scanner, setup.motion), devices.clock)
-        facts = devices.camera.facts()
-        live = self._build_live()
-        keeper = self._build_keeper(live)
-        grabber = Grabber(devices.camera, devices.clock, self._hand_on)
-        inputs = devices.io.read_inputs()
-        return Machine(
-            devices.clock,
-            interlock,
-            carriage,
-            setup.motion,
-            setup.scanner,
-            facts,
-            grabber,
-            keeper,
-            live,
-            self._log,
-            setup.calibration,
-            inputs,
-        )
-
-    def _build_live(self) -> LiveView | None:
-        calibration, tables = self.setup.calibration, self.setup.tables
-        if calibration is None or tables is None:
-            return None
-        return LiveView(self.clock, tables, self._track, calibration.latency_s)
-
-    def _build_keeper(self, live: LiveView | None) -> Keeper:
-        facts = self._devices.camera.facts()
-        return Keeper(self.clock, facts.width_px * facts.height_px, self._log, self._track, live)
-
     def _hand_on(self, frame: CameraFrame) -> None:
         self._machine.keeper.offer(frame)
 
@@ -295,7 +184,7 @@ class Session:
     def _publish(self) -> None:
         """Show what is, and only then tell those who wait that their commands are over."""
         settled = self._program is None and self._machine.state not in BUSY and self._machine.keeper.finished
-        self._snapshot = self._take_snapshot()
+        self._snapshot = self._machine.snapshot()
         self._settled = settled  # only now: whoever reads this finds the final counts in the snapshot
         while self._over:
             ticket, error = self._over.pop(0)
@@ -315,7 +204,7 @@ class Session:
 
     def _look(self, machine: Machine) -> None:
         samples = machine.carriage.update()
-        self._track.add(samples)
+        self._assembly.track.add(samples)
         machine.keeper.add_counts(samples)
         machine.inputs = self._devices.io.read_inputs()
         self._refuse_dead_threads(machine)
@@ -397,12 +286,12 @@ class Session:
     def _replace_dead_threads(self, machine: Machine) -> None:
         """New threads for those that ended: the cable is in again, the disk has room again."""
         if machine.live is not None and machine.live.thread.failure is not None:
-            machine.live = self._build_live()
+            machine.live = self._assembly.live()
         if machine.keeper.thread.failure is not None or machine.keeper.outdated(machine.live):
             machine.keeper.thread.finish()
-            machine.keeper = self._build_keeper(machine.live)
+            machine.keeper = self._assembly.keeper(machine.live)
         if machine.grabber.failure is not None or not machine.grabber.is_alive():
-            machine.grabber = Grabber(self._devices.camera, self.clock, self._hand_on)
+            machine.grabber = self._assembly.grabber(self._hand_on)
         for thread in self._helpers():
             if thread.ident is None:
                 thread.start()
@@ -455,25 +344,3 @@ class Session:
         if machine.keeper.thread.failure is not None:
             machine.keeper.abandon()
         self._devices.encoder.close()
-
-    def _take_snapshot(self) -> Snapshot:
-        machine = self._machine
-        outputs = machine.interlock.outputs
-        return Snapshot(
-            machine.state,
-            machine.message,
-            float(np.rad2deg(machine.carriage.theta_rad)) if machine.carriage.homed else None,
-            outputs.lasers,
-            outputs.motor_run,
-            machine.interlock.armed,
-            machine.inputs.estop_ok,
-            machine.progress,
-            machine.remaining_s,
-            machine.keeper.count(),
-            machine.live.count() if machine.live else LiveCount(),
-            machine.findings,
-        )
-
-
-def _encoder_scale(setup: SessionSetup) -> EncoderScale:
-    return setup.scanner.encoder if setup.calibration is None else setup.calibration.encoder

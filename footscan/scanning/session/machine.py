@@ -17,7 +17,7 @@ from footscan.optics.scanner import Scanner
 from footscan.scanning.session.grabber import Grabber
 from footscan.scanning.session.keeper import ExposureTiming, Keeper, LightLog, Phase
 from footscan.scanning.session.live import LiveView
-from footscan.scanning.session.states import Finding, State
+from footscan.scanning.session.states import Finding, LiveCount, Snapshot, State
 
 Program = Generator[None, None, None]
 """What the head does next, one step per round of the control thread."""
@@ -60,6 +60,24 @@ class Machine:
     remaining_s: float = 0.0
     wake_s: float = np.inf
     awaits_button: bool = False
+
+    def snapshot(self) -> Snapshot:
+        """What others may know of it, as it is now."""
+        outputs = self.interlock.outputs
+        return Snapshot(
+            self.state,
+            self.message,
+            float(np.rad2deg(self.carriage.theta_rad)) if self.carriage.homed else None,
+            outputs.lasers,
+            outputs.motor_run,
+            self.interlock.armed,
+            self.inputs.estop_ok,
+            self.progress,
+            self.remaining_s,
+            self.keeper.count(),
+            self.live.count() if self.live else LiveCount(),
+            self.findings,
+        )
 
     @property
     def timing(self) -> ExposureTiming:

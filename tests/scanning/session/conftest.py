@@ -10,9 +10,10 @@ from footscan import app
 from footscan.config import RecordingInfo
 from footscan.config.rig_file import Rig
 from footscan.optics.calibration import Calibration
-from footscan.scanning.session.control import Session, Ticket
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.plan import ScanPlan, plan_scan
 from footscan.scanning.session.programs import ScanOrder, home, scan
+from footscan.scanning.session.ticket import Ticket
 from footscan.sim.world import World
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.opened_rig import OpenedRig

@@ -13,8 +13,9 @@ import pytest
 from footscan import app
 from footscan.errors import EncoderLostError, FootscanError, InterlockError, OutputsLostError
 from footscan.scanning.recording import open_recording
+from footscan.scanning.session.assembly import SessionSetup
 from footscan.scanning.session.checkup import CheckOrder, check_before_scan
-from footscan.scanning.session.control import Session, SessionSetup
+from footscan.scanning.session.control import Session
 from footscan.scanning.session.keeper import Keeper
 from footscan.scanning.session.machine import Machine
 from footscan.scanning.session.programs import home
