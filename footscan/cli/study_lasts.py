@@ -15,6 +15,7 @@ from footscan.workflow.lasts_study import StudyOutcome, lasts_study_cases, outco
 
 def study_lasts(
     feet: Annotated[int, typer.Option(help="How many deformed feet.", min=1, max=1000)] = 50,
+    first: Annotated[int, typer.Option(help="Number of the first of them, to look at all in pieces.", min=0)] = 0,
     seed: Annotated[int, typer.Option(help="Of feet and deformities.", min=0, max=10**6)] = 0,
     transition: Annotated[float, typer.Option(help="Transition length, mm.", min=5.0, max=40.0)] = 10.0,
     json_only: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
@@ -23,7 +24,7 @@ def study_lasts(
     outcomes: list[StudyOutcome] = []
     with tempfile.TemporaryDirectory(prefix="footscan-lasts-") as folder:
         library, settings = LastLibrary(Path(folder)), CustomSettings(transition_mm=transition)
-        for outcome in run_lasts_study(lasts_study_cases(feet, seed), library, settings):
+        for outcome in run_lasts_study(lasts_study_cases(first + feet, seed)[first:], library, settings):
             outcomes.append(outcome)
             if not json_only:
                 STDERR.print(_row(outcome))

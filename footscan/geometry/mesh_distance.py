@@ -11,7 +11,11 @@ from footscan.geometry.mesh_distance_loops import (
     LEAF,
     build_boxes,
     corner_normals,
+    face_corners,
+    faces_across,
     find_nearest,
+    find_places,
+    halve,
     morton_codes,
     split_by_halves,
 )
@@ -55,11 +59,10 @@ class DistanceMesh:
         leaves = 1
         while leaves * LEAF < len(faces):
             leaves *= 2
-        self._order = np.arange(len(faces))
-        split_by_halves(self.xyz[faces].mean(axis=1), self._order, leaves)
+        self._order = _tree_order(self.xyz[faces].mean(axis=1), leaves)
         self._faces = np.ascontiguousarray(faces[self._order], dtype=np.int64)
         self._leaves = leaves
-        self._across = _neighbours(self._faces, len(self.xyz))
+        self._across = faces_across(self._faces, len(self.xyz))
         self._fit()
 
     def moved(self, xyz: Floats) -> "DistanceMesh":
@@ -71,53 +74,42 @@ class DistanceMesh:
 
     def _fit(self) -> None:
         """Boxes and normals of the corners as they are now."""
-        self._boxes = build_boxes(self.xyz, self._faces, self._leaves)
-        corner = self.xyz[self._faces]
-        self._corners = corner.reshape(-1, 9)
-        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        self._unit = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        self._at_corner = corner_normals(self.xyz, self._faces, self._unit)
+        self._corners, self._unit = np.empty((len(self._faces), 9)), np.empty((len(self._faces), 3))
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            boxes = pool.submit(build_boxes, self.xyz, self._faces, self._leaves)
+            face_corners(self.xyz, self._faces, self._corners, self._unit)
+            self._at_corner = corner_normals(self.xyz, self._faces, self._unit)
+            self._boxes = boxes.result()
 
     def nearest(self, points: Floats) -> Nearest:
         """The nearest places of the mesh to `(n, 3)` points."""
         order = np.argsort(morton_codes(points, self._low - 64.0 * self._cell, 4.0 * self._cell), kind="stable")
         sorted_points = np.ascontiguousarray(points[order], dtype=np.float64)
         count = len(points)
-        face, weight, place = np.empty(count, np.int64), np.empty((count, 3)), np.empty(count, np.int64)
+        face, place, signed = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count)
+        weight, xyz, normal = (np.empty((count, 3)) for _ in range(3))
         parts = np.linspace(0, count, (_AT_ONCE if count > _MANY else 1) + 1).astype(np.int64)
+        mesh = (self.xyz, self._faces, self._across, self._unit, self._at_corner)
 
         def search(part: int) -> None:
             here = slice(parts[part], parts[part + 1])
-            find_nearest(sorted_points[here], self._corners, self._boxes, face[here], weight[here], place[here])
+            found = (face[here], weight[here], place[here])
+            find_nearest(sorted_points[here], self._corners, self._boxes, *found)
+            find_places(sorted_points[here], mesh, *found, xyz[here], normal[here], signed[here])
 
         with ThreadPoolExecutor(_AT_ONCE) as pool:
             list(pool.map(search, range(len(parts) - 1)))
-        xyz = np.einsum("nk,nkc->nc", weight, self.xyz[self._faces[face]])
-        normal = self._pseudo_normals(face, place)
-        away = sorted_points - xyz
-        distance = np.linalg.norm(away, axis=1)
-        signed = np.where((away * normal).sum(axis=1) >= 0.0, distance, -distance)
         back = np.empty_like(order)
         back[order] = np.arange(count)
         return Nearest(xyz[back], self._order[face[back]], weight[back], normal[back], signed[back])
 
-    def _pseudo_normals(self, face: Ints, place: Ints) -> Floats:
-        normal = self._unit[face].copy()
-        for side in range(3):
-            here = place == side + 1
-            normal[here] += self._unit[self._across[face[here], side]]
-            here = place == side + 4
-            normal[here] = self._at_corner[self._faces[face[here], side]]
-        return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
 
-
-def _neighbours(faces: Ints, corners: int) -> Ints:
-    """The face `(m, 3)` across each side (01, 12, 20) of each face; a side without one has the face itself."""
-    edge = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    low, high = edge.min(axis=1), edge.max(axis=1)
-    order = np.argsort(low * corners + high, kind="stable")
-    same = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
-    across = np.arange(len(edge)) // 3
-    first, second = order[:-1][same], order[1:][same]
-    across[first], across[second] = second // 3, first // 3
-    return across.reshape(-1, 3)
+def _tree_order(middle: Floats, leaves: int) -> Ints:
+    """The faces `(m,)` in the order of a balanced tree; both halves are sorted at once."""
+    order, width = np.arange(len(middle)), leaves * LEAF
+    cut = width // 2
+    halve(middle, order, 0, len(order), cut)
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        halves = ((middle[part], order[part], cut) for part in (slice(0, cut), slice(cut, None)))
+        list(pool.map(lambda half: split_by_halves(*half), halves))
+    return order

@@ -37,46 +37,40 @@ def morton_codes(xyz: Floats, low: Floats, cell: float) -> Ints:
 
 
 @compiled
-def split_by_halves(middle: Floats, order: Ints, leaves: int) -> None:
+def split_by_halves(middle: Floats, order: Ints, width: int) -> None:
     """Put faces in the order of a balanced tree: every box is halved at the median of its longest side.
 
     Args:
-        middle: `(m, 3)` middles of the faces.
-        order: `(m,)` the faces, reordered in place.
-        leaves: Leaves of the tree, a power of two; leaf k gets the faces from k * LEAF on.
+        middle: `(m, 3)` middles of the faces, reordered in place.
+        order: `(m,)` the faces, reordered likewise.
+        width: Faces that a whole box of the first level holds, LEAF times a power of two.
     """
-    width = leaves * LEAF
     while width > LEAF:
         for begin in range(0, len(order), width):
-            end = min(begin + width, len(order))
-            cut = begin + width // 2
-            if cut < end:
-                _halve(middle, order, begin, end, cut)
+            halve(middle, order, begin, min(begin + width, len(order)), begin + width // 2)
         width //= 2
 
 
 @compiled
-def _halve(middle: Floats, order: Ints, begin: int, end: int, cut: int) -> None:
+def halve(middle: Floats, order: Ints, begin: int, end: int, cut: int) -> None:
     """Quickselect along the longest side: no face before `cut` lies further along than one after it."""
-    axis, longest = 0, -1.0
-    for k in range(3):
-        low, high = np.inf, -np.inf
-        for i in range(begin, end):
-            low, high = min(low, middle[order[i], k]), max(high, middle[order[i], k])
-        if high - low > longest:
-            axis, longest = k, high - low
+    if cut >= end:
+        return
+    axis = _longest_side(middle, begin, end)
     low, high = begin, end - 1
     while low < high:
-        a, b, c = middle[order[low], axis], middle[order[(low + high) // 2], axis], middle[order[high], axis]
+        a, b, c = middle[low, axis], middle[(low + high) // 2, axis], middle[high, axis]
         pivot = max(min(a, b), min(max(a, b), c))
         i, j = low, high
         while i <= j:
-            while middle[order[i], axis] < pivot:
+            while middle[i, axis] < pivot:
                 i += 1
-            while middle[order[j], axis] > pivot:
+            while middle[j, axis] > pivot:
                 j -= 1
             if i <= j:
                 order[i], order[j] = order[j], order[i]
+                for k in range(3):
+                    middle[i, k], middle[j, k] = middle[j, k], middle[i, k]
                 i += 1
                 j -= 1
         if cut <= j:
@@ -85,6 +79,46 @@ def _halve(middle: Floats, order: Ints, begin: int, end: int, cut: int) -> None:
             low = i
         else:
             return
+
+
+@compiled
+def _longest_side(middle: Floats, begin: int, end: int) -> int:
+    axis, longest = 0, -1.0
+    for k in range(3):
+        low, high = np.inf, -np.inf
+        for i in range(begin, end):
+            low, high = min(low, middle[i, k]), max(high, middle[i, k])
+        if high - low > longest:
+            axis, longest = k, high - low
+    return axis
+
+
+@compiled
+def faces_across(faces: Ints, corners: int) -> Ints:
+    """The face `(m, 3)` across each side (01, 12, 20) of each face; a side without one has the face itself."""
+    begin = np.zeros(corners + 2, np.int64)
+    for f in range(len(faces)):
+        for k in range(3):
+            begin[min(faces[f, k], faces[f, (k + 1) % 3]) + 2] += 1
+    for c in range(corners):
+        begin[c + 2] += begin[c + 1]
+    side = np.empty(3 * len(faces), np.int64)  # sides in the order of their lower corner
+    for f in range(len(faces)):
+        for k in range(3):
+            low = min(faces[f, k], faces[f, (k + 1) % 3]) + 1
+            side[begin[low]] = 3 * f + k
+            begin[low] += 1
+    across = np.empty((len(faces), 3), np.int64)
+    for c in range(corners):
+        for p in range(begin[c], begin[c + 1]):
+            f, k = side[p] // 3, side[p] % 3
+            across[f, k] = f
+            high = max(faces[f, k], faces[f, (k + 1) % 3])
+            for q in range(begin[c], begin[c + 1]):
+                g, m = side[q] // 3, side[q] % 3
+                if q != p and max(faces[g, m], faces[g, (m + 1) % 3]) == high:
+                    across[f, k] = g
+    return across
 
 
 @compiled
@@ -198,6 +232,20 @@ def find_nearest(points: Floats, corners: Floats, boxes: Floats, face: Ints, wei
 
 
 @compiled
+def face_corners(xyz: Floats, faces: Ints, corners: Floats, unit: Floats) -> None:
+    """Write the corners `(m, 9)` and the outward unit normals `(m, 3)` of faces."""
+    for f in range(len(faces)):
+        for k in range(3):
+            for axis in range(3):
+                corners[f, 3 * k + axis] = xyz[faces[f, k], axis]
+        c = corners[f]
+        ux, uy, uz, vx, vy, vz = c[3] - c[0], c[4] - c[1], c[5] - c[2], c[6] - c[0], c[7] - c[1], c[8] - c[2]
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        size = max(np.sqrt(x * x + y * y + z * z), 1e-300)
+        unit[f, 0], unit[f, 1], unit[f, 2] = x / size, y / size, z / size
+
+
+@compiled
 def corner_normals(xyz: Floats, faces: Ints, unit: Floats) -> Floats:
     """Normals `(n, 3)` of the corners: the faces' unit normals `(m, 3)` weighted by their angles; not of length 1."""
     result = np.zeros((len(xyz), 3))
@@ -215,3 +263,53 @@ def corner_normals(xyz: Floats, faces: Ints, unit: Floats) -> Floats:
             for axis in range(3):
                 result[a, axis] += angle * unit[f, axis]
     return result
+
+
+@compiled
+def find_places(
+    points: Floats,
+    mesh: tuple[Floats, Ints, Ints, Floats, Floats],
+    face: Ints,
+    weight: Floats,
+    place: Ints,
+    xyz: Floats,
+    normal: Floats,
+    signed: Floats,
+) -> None:
+    """What `find_nearest` found, as places, unit pseudo-normals `(n, 3)` and signed distances `(n,)`.
+
+    Args:
+        points: Where it searched from.
+        mesh: Corners `(n, 3)`; faces, the faces across their sides and unit normals `(m, 3)` in the tree's order; and
+            the normals of the corners.
+        face: What it found.
+        weight: Likewise.
+        place: Likewise.
+        xyz: Result.
+        normal: Result.
+        signed: Result.
+    """
+    corner_xyz, faces, across, unit, at_corner = mesh
+    for i in range(len(points)):
+        f, where = face[i], place[i]
+        size = along = distance2 = 0.0
+        for axis in range(3):
+            xyz[i, axis] = (
+                weight[i, 0] * corner_xyz[faces[f, 0], axis]
+                + weight[i, 1] * corner_xyz[faces[f, 1], axis]
+                + weight[i, 2] * corner_xyz[faces[f, 2], axis]
+            )
+            n = unit[f, axis]
+            if where > 3:
+                n = at_corner[faces[f, where - 4], axis]
+            elif where > 0:
+                n += unit[across[f, where - 1], axis]
+            normal[i, axis] = n
+            away = points[i, axis] - xyz[i, axis]
+            size += n * n
+            along += n * away
+            distance2 += away * away
+        size = max(np.sqrt(size), 1e-300)
+        for axis in range(3):
+            normal[i, axis] /= size
+        signed[i] = np.sqrt(distance2) if along >= 0.0 else -np.sqrt(distance2)

@@ -4,7 +4,9 @@ A displacement is a scalar field d(u, v) = sum c_ij B_i(u) B_j(v) along a smooth
 control vectors n_ij. The displaced upper then has the control points P_ij + c_ij n_ij: exact NURBS on the same knots.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,8 +15,9 @@ from scipy.interpolate import BSpline
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.nurbs import DEGREE, SplineTube, greville
-from footscan.foot.nurbs_fit import bases_at, evaluate_at
+from footscan.foot.nurbs_fit import bases_at
 from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, fill_rows
+from footscan.shoelast.follow_loop import follow
 from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.model import Shoelast
 
@@ -153,23 +156,13 @@ def project(chart: Chart, tube: SplineTube, xyz: Floats, u: Floats, v: Floats) -
     Returns:
         u, v and t (mm, positive outside), each `(n,)`; NaN in t where the places are not reached along a direction.
     """
-    t = np.zeros(len(u))
-    for step in range(_STEPS):
-        here, way = evaluate_at(tube, u, v), evaluate_at(chart.direction, u, v)
-        miss = xyz - here.xyz_mm - t[:, None] * way.xyz_mm
-        if step and np.abs(miss).max(initial=0.0) < _MISS_MM:
-            break
-        jacobian = np.stack(
-            [here.along_u + t[:, None] * way.along_u, here.along_v + t[:, None] * way.along_v, way.xyz_mm], axis=2
-        )
-        change = np.linalg.solve(jacobian + 1e-9 * np.eye(3), miss[..., None])[..., 0]
-        u = np.mod(u + np.clip(change[:, 0], -_MOST_U, _MOST_U), 1.0)
-        v = np.clip(v + np.clip(change[:, 1], -_MOST_V, _MOST_V), 0.0, 1.0)
-        t = t + np.clip(change[:, 2], -_MOST_T_MM, _MOST_T_MM)
-    here, way = evaluate_at(tube, u, v), evaluate_at(chart.direction, u, v)
-    miss = np.linalg.norm(xyz - here.xyz_mm - t[:, None] * way.xyz_mm, axis=1)
-    return u, v, np.where(miss < _REACHED_MM, t, np.nan)
+    found = np.column_stack([np.mod(u, 1.0), v, np.zeros(len(u))])
+    nets = np.ascontiguousarray(tube.net_mm), np.ascontiguousarray(chart.direction.net_mm)
+    parts = np.linspace(0, len(u), _AT_ONCE + 1).astype(np.int64)
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        halves = [slice(begin, end) for begin, end in pairwise(parts)]
+        list(pool.map(lambda here: follow(*nets, tube.knots_v, xyz[here], found[here]), halves))
+    return found[:, 0].copy(), found[:, 1].copy(), found[:, 2].copy()
 
 
-_STEPS, _MISS_MM, _REACHED_MM = 12, 1e-4, 0.02
-_MOST_U, _MOST_V, _MOST_T_MM = 0.02, 0.08, 12.0
+_AT_ONCE = 2

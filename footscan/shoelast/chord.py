@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from footscan.compiled import compiled
 from footscan.coordinates import Floats
 from footscan.errors import QualityError
 from footscan.shoelast.model import Shoelast
@@ -70,16 +71,34 @@ def _gaps(xyz: Floats) -> tuple[Floats, Floats, float]:
 
     Of points `(2 m + 1, 2 k + 1, 3)` at half steps. Along the normal, because a slide within the surface is no error.
     """
-    normal = np.cross(np.gradient(xyz, axis=0), np.gradient(xyz, axis=1))
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-30)
-    corner = xyz[::2, ::2]
-    gaps = (
-        (xyz[1::2, ::2] - 0.5 * (corner[:-1] + corner[1:])) * normal[1::2, ::2],
-        (xyz[::2, 1::2] - 0.5 * (corner[:, :-1] + corner[:, 1:])) * normal[::2, 1::2],
-        (xyz[1::2, 1::2] - 0.5 * (corner[:-1, :-1] + corner[1:, 1:])) * normal[1::2, 1::2],
-    )
-    down, across, diagonal = (np.abs(gap.sum(axis=-1)) for gap in gaps)
-    return down.max(axis=1), across.max(axis=0), float(diagonal.max())
+    down, across = np.zeros(len(xyz) // 2), np.zeros(xyz.shape[1] // 2)
+    return down, across, float(worst_gaps(np.ascontiguousarray(xyz), down, across))
+
+
+@compiled
+def worst_gaps(xyz: Floats, down: Floats, across: Floats) -> float:
+    """Raise the worst gaps of steps to what points at half steps show; the result is that of the diagonals."""
+    rows, columns = xyz.shape[0], xyz.shape[1]
+    diagonal = 0.0
+    for i in range(rows):
+        for j in range(1 - i % 2, columns, 2 - i % 2):
+            di, dj = i % 2, j % 2  # a middle of a step down, of one across, or of a diagonal
+            above, below, left, right = max(i - 1, 0), min(i + 1, rows - 1), max(j - 1, 0), min(j + 1, columns - 1)
+            size = off = 0.0
+            for x in range(3):
+                y, z = (x + 1) % 3, (x + 2) % 3
+                normal = (xyz[below, j, y] - xyz[above, j, y]) * (xyz[i, right, z] - xyz[i, left, z])
+                normal -= (xyz[below, j, z] - xyz[above, j, z]) * (xyz[i, right, y] - xyz[i, left, y])
+                off += normal * (xyz[i, j, x] - 0.5 * (xyz[i - di, j - dj, x] + xyz[i + di, j + dj, x]))
+                size += normal * normal
+            off = abs(off) / max(np.sqrt(size), 1e-30)
+            if di and dj:
+                diagonal = max(diagonal, off)
+            elif di:
+                down[i // 2] = max(down[i // 2], off)
+            else:
+                across[j // 2] = max(across[j // 2], off)
+    return diagonal
 
 
 def _beside(edges: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """What customising did to a last: dimensions, held properties, smoothness, and wishes that were not met."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from footscan.coordinates import Floats
 from footscan.foot.nurbs import DEGREE, SplineTube
 from footscan.shoelast.chart import Chart, Sparse, greville_places
 from footscan.shoelast.custom_last import Held, Smoothness
-from footscan.shoelast.dimensions import dimensions
+from footscan.shoelast.dimensions import Dimension, with_dimensions
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.need import Need
 from footscan.shoelast.profile import Profile
@@ -29,9 +30,36 @@ _SYMMETRIC = {"SymmetricMode": True}
 Dims = dict[str, tuple[float, float, str]]
 
 
-def find_dimensions(before: Shoelast, after: Shoelast) -> Dims:
+@dataclass(frozen=True)
+class Measured:
+    """A last measured for a report.
+
+    Attributes:
+        shoelast: With its points and lines.
+        dimensions: All of `DEFINITIONS`.
+        curvature_per_mm: Principal curvatures `(k, m, 2)`.
+        curvature_step_per_mm2: Their largest change from place to place.
+        feather_deg: `(360,)` angle of the feather edge.
+    """
+
+    shoelast: Shoelast
+    dimensions: Mapping[str, Dimension]
+    curvature_per_mm: Floats
+    curvature_step_per_mm2: float
+    feather_deg: Floats
+
+
+def measure_last(shoelast: Shoelast) -> Measured:
+    """Find points, lines, dimensions, curvatures and the feather edge's angle of a last."""
+    found, dims = with_dimensions(shoelast)
+    curvature = curvature_per_mm(shoelast.upper)
+    step = _largest_step(shoelast.upper, curvature)
+    return Measured(found, dims, curvature, step, feather_angle_deg(shoelast))
+
+
+def find_dimensions(before: Measured, after: Measured) -> Dims:
     """Name -> before, after, unit."""
-    old, new = dimensions(before), dimensions(after)
+    old, new = before.dimensions, after.dimensions
     return {name: (old[name].value, new[name].value, old[name].unit) for name in old}
 
 
@@ -81,17 +109,14 @@ def _most_apart(a: Floats, b: Floats) -> float:
     return float(np.linalg.norm(a - b, axis=-1).max())
 
 
-def find_smoothness(
-    chart: Chart, energy: Sparse, coefficients: Floats, before: Shoelast, after: Shoelast
-) -> Smoothness:
+def find_smoothness(energy: Sparse, coefficients: Floats, before: Measured, after: Measured) -> Smoothness:
     """Energy, curvatures and the feather edge's angle."""
     flat = coefficients.ravel()
-    old, new = curvature_per_mm(before.upper), curvature_per_mm(after.upper)
-    edge = (feather_angle_deg(before), feather_angle_deg(after))
+    edge = (before.feather_deg, after.feather_deg)
     return Smoothness(
         energy=float(flat @ (energy @ flat)),
-        curvature_change_per_mm=float(np.abs(new - old).max()),
-        curvature_step_per_mm2=(_largest_step(before.upper, old), _largest_step(after.upper, new)),
+        curvature_change_per_mm=float(np.abs(after.curvature_per_mm - before.curvature_per_mm).max()),
+        curvature_step_per_mm2=(before.curvature_step_per_mm2, after.curvature_step_per_mm2),
         feather_deg=(float(edge[0].max()), float(edge[1].max())),
         feather_change_deg=float(np.abs(edge[1] - edge[0]).max()),
     )

@@ -10,8 +10,14 @@ from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.chord import chord_error
 from footscan.shoelast.custom_last import CustomLast, Smoothing
-from footscan.shoelast.custom_report import find_dimensions, find_held, find_smoothness, find_unmet
-from footscan.shoelast.dimensions import with_points_and_lines
+from footscan.shoelast.custom_report import (
+    Measured,
+    find_dimensions,
+    find_held,
+    find_smoothness,
+    find_unmet,
+    measure_last,
+)
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.judged_skin import seen_share
 from footscan.shoelast.model import Shoelast
@@ -61,7 +67,7 @@ class Search:
 
 
 def custom_last(
-    case: FitCase, registration: Registration, state: Displaced, signed_mm: Floats, search: Search
+    case: FitCase, registration: Registration, state: Displaced, signed_mm: Floats, search: Search, before: Measured
 ) -> CustomLast:
     """Prove and measure what was found.
 
@@ -71,6 +77,7 @@ def custom_last(
         state: The displaced last.
         signed_mm: `(n,)` signed distances of the samples from its mesh; NaN where nobody looked.
         search: How it was found.
+        before: The standard last, measured.
 
     Raises:
         QualityError: It swings far beyond what the foot asks for.
@@ -78,8 +85,8 @@ def custom_last(
     rest = np.isnan(signed_mm)
     signed_mm[rest] = state.mesh.nearest(case.samples.xyz[rest]).signed
     proof = prove(case.samples, case.judged, case.room.least_mm, signed_mm, case.top_line)
-    after = with_points_and_lines(state.shoelast)
-    dims = find_dimensions(case.shoelast, after)
+    measured = measure_last(state.shoelast)
+    after, dims = measured.shoelast, find_dimensions(before, measured)
     way = np.linalg.norm(state.skin.xyz_shoelast - search.skin.xyz_shoelast, axis=1)
     moved = _displacement(case, state, search.breaks, way)
     beyond = _overshoot(case, search, moved)
@@ -100,7 +107,7 @@ def custom_last(
         dimensions=dims,
         held=find_held(case.shoelast, after, dims, most),
         widening_mm=most,
-        smoothness=find_smoothness(case.chart, case.energy, state.coefficients, case.shoelast, after),
+        smoothness=find_smoothness(case.energy, state.coefficients, before, measured),
         smoothing=search.smoothing,
         unmet=find_unmet(proof, dims, registration, case.profile, case.settings.girths_mm),
         proof=proof,

@@ -1,16 +1,19 @@
 """`customise(shoelast, foot, clearance)`: the smoothest change of a last that holds a foot, with its proof."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import trimesh
+from threadpoolctl import threadpool_limits
 
 from footscan.shoelast.custom_last import CustomLast
+from footscan.shoelast.custom_report import measure_last
 from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.displacement import DisplacementTask
-from footscan.shoelast.fit_case import build_case
+from footscan.shoelast.fit_case import build_case, judge_foot, make_ready
 from footscan.shoelast.foot_pose import pose_foot
 from footscan.shoelast.foot_samples import sample_foot
 from footscan.shoelast.girth_wish import check_girths
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.nets import fine_enough
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.profile import Profile, load_profile, uniform_profile
 from footscan.shoelast.refusals import check_side, check_size
@@ -44,11 +47,14 @@ def customise(
     prepared = prepare_foot(foot, shoelast.side) if isinstance(foot, trimesh.Trimesh) else foot
     check_girths(settings.girths_mm)
     check_side(shoelast, prepared)
-    posed = pose_foot(prepared, shoelast, settings.stack, settings.joints)
-    posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
-    check_size(shoelast, posed, registration)
-    case = build_case(fine_enough(shoelast, settings.transition_mm), posed, profile, settings)
-    return DisplacementTask(case).solved(registration)
+    with threadpool_limits(1), ThreadPoolExecutor(1) as beside:  # two BLAS threads would only wait for each other
+        ready = beside.submit(make_ready, shoelast, settings.transition_mm)
+        posed = pose_foot(prepared, shoelast, settings.stack, settings.joints)
+        posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
+        check_size(shoelast, posed, registration)
+        case = build_case(ready.result(), judge_foot(shoelast, posed), profile, settings)
+        before = beside.submit(measure_last, case.shoelast)
+        return DisplacementTask(case).solved(registration, before)
 
 
 def _profile(clearance: Profile | str | float) -> Profile:

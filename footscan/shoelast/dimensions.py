@@ -137,12 +137,22 @@ def _heights(body: Body, points: Mapping[str, Floats]) -> dict[str, float]:
 
 def with_points_and_lines(shoelast: Shoelast) -> Shoelast:
     """The last with every point of `landmarks.POINTS` and its named lines, found from its shape."""
+    return _with_points_and_lines(body_of(shoelast))
+
+
+def with_dimensions(shoelast: Shoelast) -> tuple[Shoelast, dict[str, Dimension]]:
+    """The same, and all dimensions."""
     body = body_of(shoelast)
+    found = _with_points_and_lines(body)
+    return found, body_dimensions(body, found.points)
+
+
+def _with_points_and_lines(body: Body) -> Shoelast:
     points = dict(find_points(body))
     planes = tape_planes(points)
     waist = cut_shell(body.shell, planes["waist_girth"].origin, planes["waist_girth"].normal).xyz.reshape(-1, 3)
     points["waist_point"] = waist[waist[:, 2].argmax()]
-    return replace(shoelast, points=points, lines=find_lines(body, planes))
+    return replace(body.shoelast, points=points, lines=find_lines(body, planes))
 
 
 def find_lines(body: Body, planes: Mapping[str, TapePlane]) -> dict[str, Floats]:

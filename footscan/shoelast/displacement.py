@@ -1,6 +1,7 @@
 """The displacement between one last and one foot: found, looked at on the mesh, raised where it lacks, and proved."""
 
 from collections.abc import Mapping
+from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,7 @@ from footscan.shoelast.asked import ASKS_MM, Asked, ask, with_bridged
 from footscan.shoelast.chart import Chart, Sparse
 from footscan.shoelast.chord import breaks_within
 from footscan.shoelast.custom_last import CustomLast
+from footscan.shoelast.custom_report import Measured
 from footscan.shoelast.custom_result import Displaced, Search, custom_last
 from footscan.shoelast.fairing import RISE_FAIR_SHARE, fair_energy, faired, smoothing_of
 from footscan.shoelast.fit_case import FitCase
@@ -22,14 +24,13 @@ from footscan.shoelast.need import Need, find_need, parameters_at
 from footscan.shoelast.obstacle import Pull, Rows, Unknowns, find_unknowns, solve_smoothest
 from footscan.shoelast.refusals import check_not_everywhere
 from footscan.shoelast.registration import Registration
-from footscan.shoelast.skin import Breaks, LastSkin, Sampling, even_breaks, skin_of
+from footscan.shoelast.skin import Breaks, LastSkin, skin_of
 from footscan.shoelast.widening import find_widening
 
 sparse: Any = scipy_sparse
 MESH_CHORD_MM = 0.017
 """Largest chord error of the mesh when it is laid out; the corrections after that leave it within 0.02 mm."""
 MOST_ROUNDS, _MORE_ROUNDS = 8, 4
-_FIRST_MESH = Sampling(300, 100, 32)
 _RAISED_MM, _ENOUGH_MM, _BESIDE_MM = 0.05, 0.03, 0.05
 """Room beyond the least that is asked where the mesh lacked, for its facets; what a round leaves alone."""
 _DOUBTFUL_MM = 0.3
@@ -43,26 +44,29 @@ class DisplacementTask:
     """The displacement of one case."""
 
     def __init__(self, case: FitCase) -> None:
-        """Lay the standard last out as a mesh."""
+        """Begin with the standard last's mesh."""
         self.case = case
-        self.breaks = even_breaks(_FIRST_MESH)
-        self.skin: LastSkin = skin_of(case.shoelast, self.breaks)
-        self.mesh = DistanceMesh(self.skin.xyz_shoelast, self.skin.faces)
+        self.breaks, self.skin, self.mesh = case.breaks, case.skin, case.mesh
         self._fine: Ints = np.empty(0, dtype=np.int64)
 
-    def solved(self, registration: Registration) -> CustomLast:
-        """Find the displacement, look at the mesh, and raise it where it lacks, until the mesh holds the foot."""
+    def solved(self, registration: Registration, before: "Future[Measured]") -> CustomLast:
+        """Find the displacement, look at the mesh, and raise it where it lacks, until the mesh holds the foot.
+
+        Args:
+            registration: How the foot was laid in.
+            before: The standard last, measured meanwhile.
+        """
         case = self.case
         some = np.flatnonzero(case.judged.seen)
-        need, before = find_need(case.chart, self.skin, self.mesh, case.samples.xyz[some], case.room.of(some))
-        check_not_everywhere(case.shoelast, before)
+        need, signed_mm = find_need(case.chart, self.skin, self.mesh, case.samples.xyz[some], case.room.of(some))
+        check_not_everywhere(case.shoelast, signed_mm)
         widening = find_widening(case.chart, need, case.profile.most_overhang_mm)
         asked = ask(case, need, widening, girth_places(self.skin, case.shoelast.points, self._wanted_girths))
         bridged = self._bridged()
         for one in bridged:
             asked = with_bridged(case, asked, one)
         self._near = case.region.near(asked.places, case.transition_mm)
-        doubtful = some[before + case.room.least_mm[some] > -self._most_loss(asked) - _DOUBTFUL_MM]
+        doubtful = some[signed_mm + case.room.least_mm[some] > -self._most_loss(asked) - _DOUBTFUL_MM]
         state = self._first(asked)
         state, signed, asked, rounds = self._raised_until_held(asked, state, doubtful, MOST_ROUNDS)
         smoothing = None
@@ -72,9 +76,9 @@ class DisplacementTask:
             moved = faired(case, replace(asked, pulls=tuple(girths)), plain.coefficients, self._free(), self._fine)
             state = self._state(moved, self.breaks)
             state, signed, asked, more = self._raised_until_held(asked, state, doubtful, _MORE_ROUNDS)
-            smoothing, rounds = smoothing_of(case, plain, state, limit), rounds + more
+            smoothing, rounds = smoothing_of(case, before.result(), plain, state, limit), rounds + more
         search = Search(self.skin, self.breaks, need, bridged, widening, rounds, asked.places, smoothing)
-        return custom_last(case, registration, state, signed, search)
+        return custom_last(case, registration, state, signed, search, before.result())
 
     def _most_loss(self, asked: Asked) -> float:
         return float(-asked.least.min(initial=0.0))
@@ -115,7 +119,7 @@ class DisplacementTask:
         signed, lacking = self._look(state, doubtful)
         while True:
             if len(lacking) == 0:
-                signed, lacking = self._look(state, seen)
+                signed, lacking = self._look(state, seen, signed)
                 doubtful = seen if len(lacking) else doubtful
             if len(lacking) == 0 or rounds == most:
                 break
@@ -123,7 +127,7 @@ class DisplacementTask:
             state = self._corrected(state, asked, raised)
             signed, lacking = self._look(state, doubtful)
             rounds += 1
-        signed = self._look(state, seen)[0] if len(lacking) else signed
+        signed = self._look(state, seen, signed)[0] if len(lacking) else signed
         return state, signed, asked, rounds
 
     def _corrected(self, state: Displaced, asked: Asked, raised: Need) -> Displaced:
@@ -171,16 +175,22 @@ class DisplacementTask:
         self.mesh = self.mesh.moved(skin.xyz_shoelast) if same else DistanceMesh(skin.xyz_shoelast, skin.faces)
         return Displaced(coefficients, moved, skin, self.mesh)
 
-    def _look(self, state: Displaced, which: Ints) -> tuple[Floats, Ints]:
+    def _look(self, state: Displaced, which: Ints, known: Floats | None = None) -> tuple[Floats, Ints]:
         """Signed distances of some samples, and those that lack room.
+
+        Args:
+            state: The last.
+            which: Samples to look at.
+            known: `(n,)` distances from the same last, NaN where nobody looked.
 
         Returns:
             `(n,)` distances, NaN where nobody looked, and indices of samples that lack room or have next to none beside
             one that lacks it; none when all have enough.
         """
         case = self.case
-        signed = np.full(len(case.samples.xyz), np.nan)
-        signed[which] = state.mesh.nearest(case.samples.xyz[which]).signed
+        signed = np.full(len(case.samples.xyz), np.nan) if known is None else known.copy()
+        new = which[np.isnan(signed[which])]
+        signed[new] = state.mesh.nearest(case.samples.xyz[new]).signed
         lack = signed[which] + case.room.least_mm[which]
         enough = lack.max(initial=-np.inf) <= _ENOUGH_MM
         return signed, np.empty(0, dtype=np.int64) if enough else which[lack > -_BESIDE_MM]

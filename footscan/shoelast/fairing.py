@@ -9,9 +9,8 @@ from footscan.coordinates import Bools, Floats, Ints
 from footscan.shoelast.asked import Asked
 from footscan.shoelast.chart import Sparse, bending_matrix
 from footscan.shoelast.custom_last import Smoothing
-from footscan.shoelast.custom_report import find_dimensions, find_smoothness
+from footscan.shoelast.custom_report import Measured, find_dimensions, find_smoothness, measure_last
 from footscan.shoelast.custom_result import Displaced
-from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.obstacle import Rows, find_unknowns, solve_smoothest
 
@@ -55,9 +54,9 @@ def faired(case: FitCase, asked: Asked, coefficients: Floats, free: Bools, fine:
     return unknowns.coefficients(found, case.chart.shape)
 
 
-def smoothing_of(case: FitCase, plain: Displaced, smooth: Displaced, limit_mm: float) -> Smoothing:
-    """What smoothing changed."""
-    before, after = with_points_and_lines(plain.shoelast), with_points_and_lines(smooth.shoelast)
+def smoothing_of(case: FitCase, standard: Measured, plain: Displaced, smooth: Displaced, limit_mm: float) -> Smoothing:
+    """What smoothing changed; `standard` is the last that was customised."""
+    before, after = measure_last(plain.shoelast), measure_last(smooth.shoelast)
     variation = bending_matrix(case.chart.tube, 1.0) - case.energy
     first, second = (
         float(state.coefficients.ravel() @ (variation @ state.coefficients.ravel())) for state in (plain, smooth)
@@ -66,7 +65,7 @@ def smoothing_of(case: FitCase, plain: Displaced, smooth: Displaced, limit_mm: f
         limit_mm=limit_mm,
         most_mm=float(np.linalg.norm(smooth.skin.xyz_shoelast - plain.skin.xyz_shoelast, axis=1).max()),
         variation=(first, second),
-        before=find_smoothness(case.chart, case.energy, plain.coefficients, case.shoelast, before),
+        before=find_smoothness(case.energy, plain.coefficients, standard, before),
         dimensions=find_dimensions(before, after),
-        unsmoothed=before,
+        unsmoothed=before.shoelast,
     )

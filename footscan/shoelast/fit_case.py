@@ -6,6 +6,7 @@ import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.foot.nurbs_fit import evaluate_at
+from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.change_region import ChangeRegion
 from footscan.shoelast.chart import Chart, Sparse, bending_matrix, build_chart
 from footscan.shoelast.custom_settings import CustomSettings
@@ -14,43 +15,77 @@ from footscan.shoelast.foot_samples import FootSamples
 from footscan.shoelast.judged_skin import judged_samples, wanted_room
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.need import CELLS, Need, Room
-from footscan.shoelast.nets import Coarse, coarse_space
+from footscan.shoelast.nets import Coarse, coarse_space, fine_enough
 from footscan.shoelast.patches import lower_edge, with_boundary
 from footscan.shoelast.profile import Profile
 from footscan.shoelast.proof import Judged
+from footscan.shoelast.skin import Breaks, LastSkin, Sampling, even_breaks, skin_of
 from footscan.shoelast.top_line import TopLine, find_top_line
 
 _SPAN_SHARE = 0.6
 """Spans of the displacement's own net are at most this share of the transition length."""
+_FIRST_MESH = Sampling(300, 100, 32)
 
 
 @dataclass(frozen=True)
-class FitCase:
-    """A last on a fine enough net, a foot that lies in it, and what is wanted.
+class ReadyLast:
+    """A last made ready for a transition length, whatever foot it is for.
 
     Attributes:
-        shoelast: The standard last.
-        posed: The foot as posed and registered.
-        profile: Room wanted.
-        settings: How to customise.
+        shoelast: The standard last on a fine enough net.
         chart: Of the last.
         region: Where its coefficients act.
         coarse: The net of the displacement.
         energy: Bending energy of a displacement.
+        breaks: Where the standard last is laid out as a mesh.
+        skin: That mesh.
+        mesh: The same, for distances.
+    """
+
+    shoelast: Shoelast
+    chart: Chart
+    region: ChangeRegion
+    coarse: Coarse
+    energy: Sparse
+    breaks: Breaks
+    skin: LastSkin
+    mesh: DistanceMesh
+
+
+def make_ready(shoelast: Shoelast, transition_mm: float) -> ReadyLast:
+    """Refine a last for a transition length, and lay it out as a chart and as a mesh."""
+    fine = fine_enough(shoelast, transition_mm)
+    chart, breaks = build_chart(fine), even_breaks(_FIRST_MESH)
+    skin = skin_of(fine, breaks)
+    return ReadyLast(
+        shoelast=fine,
+        chart=chart,
+        region=ChangeRegion(chart),
+        coarse=coarse_space(chart.tube, _SPAN_SHARE * transition_mm),
+        energy=bending_matrix(chart.tube),
+        breaks=breaks,
+        skin=skin,
+        mesh=DistanceMesh(skin.xyz_shoelast, skin.faces),
+    )
+
+
+@dataclass(frozen=True)
+class FitCase(ReadyLast):
+    """A last made ready, a foot that lies in it, and what is wanted.
+
+    Attributes:
+        posed: The foot as posed and registered.
+        profile: Room wanted.
+        settings: How to customise.
         top_line: Up to where the foot has to be held.
         samples: Of the foot.
         judged: Which of them count.
         room: What is wanted of each.
     """
 
-    shoelast: Shoelast
     posed: PosedFoot
     profile: Profile
     settings: CustomSettings
-    chart: Chart
-    region: ChangeRegion
-    coarse: Coarse
-    energy: Sparse
     top_line: TopLine
     samples: FootSamples
     judged: Judged
@@ -77,26 +112,28 @@ class FitCase:
         return replace(self.shoelast, upper=upper, bottom=with_boundary(self.shoelast.bottom, lower_edge(upper)))
 
 
-def build_case(shoelast: Shoelast, posed: PosedFoot, profile: Profile, settings: CustomSettings) -> FitCase:
-    """Make a last and a foot ready.
+@dataclass(frozen=True)
+class JudgedFoot:
+    """What of a case does not need the last made ready: see `FitCase`."""
+
+    posed: PosedFoot
+    top_line: TopLine
+    samples: FootSamples
+    judged: Judged
+
+
+def judge_foot(shoelast: Shoelast, posed: PosedFoot) -> JudgedFoot:
+    """Choose the skin of a posed and registered foot that a last is judged by.
 
     Raises:
         QualityError: Hardly any skin below the top line was seen.
     """
-    chart = build_chart(shoelast)
     top_line = find_top_line(shoelast, posed)
     samples, judged = judged_samples(posed, shoelast, top_line)
-    return FitCase(
-        shoelast=shoelast,
-        posed=posed,
-        profile=profile,
-        settings=settings,
-        chart=chart,
-        region=ChangeRegion(chart),
-        coarse=coarse_space(chart.tube, _SPAN_SHARE * settings.transition_mm),
-        energy=bending_matrix(chart.tube),
-        top_line=top_line,
-        samples=samples,
-        judged=judged,
-        room=wanted_room(samples, posed, profile, settings),
-    )
+    return JudgedFoot(posed, top_line, samples, judged)
+
+
+def build_case(ready: ReadyLast, foot: JudgedFoot, profile: Profile, settings: CustomSettings) -> FitCase:
+    """Put a last and a foot that lies in it together."""
+    room = wanted_room(foot.samples, foot.posed, profile, settings)
+    return FitCase(**vars(ready), **vars(foot), profile=profile, settings=settings, room=room)

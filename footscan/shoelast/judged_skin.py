@@ -39,7 +39,7 @@ def judged_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> t
     feather = FeatherLine(shoelast)
     low = np.asarray(top_line.below(posed.shell.xyz)[posed.shell.faces].any(axis=1), dtype=np.bool_)
     rough = sample_foot(posed, 8000, unseen_share=_UNSEEN_SHARE, faces=low)
-    judged = judge(rough, feather.height_mm(rough.xyz), top_line)
+    judged = judge(rough, feather.has_below(rough.xyz), top_line)
     share = seen_share(judged)
     if share < _LEAST_SHARE:
         raise QualityError(
@@ -47,4 +47,4 @@ def judged_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> t
             "prove that the last holds the foot. Scan again with more of the foot in view."
         )
     samples = sample_foot(posed, int(SEEN_SAMPLES / float(judged.seen.mean())), unseen_share=_UNSEEN_SHARE, faces=low)
-    return samples, judge(samples, feather.height_mm(samples.xyz), top_line)
+    return samples, judge(samples, feather.has_below(samples.xyz), top_line)

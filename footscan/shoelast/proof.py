@@ -59,9 +59,9 @@ class Proof:
         return self.samples >= LEAST_SAMPLES and self.worst_violation_mm <= LIMIT_MM
 
 
-def judge(samples: FootSamples, height_mm: Floats, top_line: TopLine) -> Judged:
-    """Sort samples, given their heights above the feather line `(n,)`."""
-    below, above = top_line.below(samples.xyz), height_mm > 0.0
+def judge(samples: FootSamples, above: Bools, top_line: TopLine) -> Judged:
+    """Sort samples, given which of them lie above the feather line `(n,)`."""
+    below = top_line.below(samples.xyz)
     return Judged(samples.seen & below & above, ~samples.seen & below & above, below & ~above)
 
 

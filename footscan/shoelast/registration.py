@@ -86,7 +86,7 @@ class _Lie:
         self, posed: PosedFoot, shoelast: Shoelast, samples: FootSamples, profile: Profile, mesh: DistanceMesh
     ) -> None:
         below = find_top_line(shoelast, posed).below(samples.xyz)
-        above = FeatherLine(shoelast).height_mm(samples.xyz) > 0.0
+        above = FeatherLine(shoelast).has_below(samples.xyz)
         behind = (samples.normal_foot[:, 0] < _BACK_FACES) & (samples.place < _BACK_TO)
         shown = samples.seen | (samples.bridged & behind)
         used = samples.of(shown & below & above & (samples.place < _TOES_FROM))

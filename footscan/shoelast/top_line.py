@@ -65,3 +65,10 @@ class FeatherLine:
         """How far `(n, 3)` places lie above the place of the edge that is nearest from above."""
         nearest = self._tree.nearest(np.ascontiguousarray(xyz[:, :2]), 1)[1][:, 0]
         return xyz[:, 2] - self.xyz[nearest, 2]
+
+    def has_below(self, xyz: Floats) -> Bools:
+        """Which of `(n, 3)` places lie above that place of the edge: quicker than their heights."""
+        above = xyz[:, 2] > self.xyz[:, 2].max()
+        low = np.flatnonzero(~above)
+        above[low] = self.height_mm(xyz[low]) > 0.0
+        return above

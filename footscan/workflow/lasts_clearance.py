@@ -24,7 +24,7 @@ def skin_clearance(skin: LastSkin, posed: PosedFoot, top_line: TopLine, feather:
     xyz, shell = posed.shell.xyz, posed.foot.shell
     seen = np.zeros(len(xyz), dtype=np.bool_)
     seen[shell.faces[posed.foot.face_seen]] = True
-    counts = seen & top_line.below(xyz) & (feather.height_mm(xyz) > 0.0)
+    counts = seen & top_line.below(xyz) & feather.has_below(xyz)
     clearance = np.full(len(xyz), np.nan)
     clearance[counts] = -DistanceMesh(skin.xyz_shoelast, skin.faces).nearest(xyz[counts]).signed
     return clearance

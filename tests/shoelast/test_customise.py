@@ -25,6 +25,7 @@ from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LEAST_SAMPLES, LIMIT_MM
 from footscan.shoelast.refusals import check_no_spike, overshoot_mm
 from footscan.shoelast.skin import skin_of
+from footscan.shoelast.top_line import FeatherLine
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
 
@@ -152,6 +153,12 @@ def test_a_place_pushed_along_the_directions_is_found_again(shoelast: Shoelast):
 
     assert np.nanmax(np.abs(found[2] - t)) < 1e-3
     assert np.isfinite(found[2]).mean() > 0.98
+
+
+def test_which_skin_lies_above_the_feather_line_is_told_as_by_its_heights(custom: CustomLast):
+    edge, xyz = FeatherLine(custom.original), custom.posed.shell.xyz
+
+    assert np.array_equal(edge.has_below(xyz), edge.height_mm(xyz) > 0.0)
 
 
 def test_a_pin_gives_room_where_it_is_set(shoelast: Shoelast, foot: PreparedFoot, custom: CustomLast):
