@@ -83,7 +83,28 @@ class Visitor:
         self.tab.mouse.up()
         return int(float(thumb.get_attribute("aria-valuenow") or "nan"))
 
+    def drags_to(self, label: str, value: int, near: int) -> int:
+        """Drag a slider until its value is near the one that is wanted, as a person does; returns what it shows."""
+        thumb = self.slider(label)
+        least, most = (int(float(thumb.get_attribute(name) or "nan")) for name in ("aria-valuemin", "aria-valuemax"))
+        track = thumb.locator("xpath=..").bounding_box()
+        if track is None:
+            raise AssertionError(f"the slider {label} cannot be seen")
+        for _ in range(5):
+            now = int(float(thumb.get_attribute("aria-valuenow") or "nan"))
+            if abs(now - value) <= near:
+                return now
+            self.drags(label, round((value - now) * track["width"] / (most - least)))
+        raise AssertionError(f"the slider {label} cannot be dragged to {value}")
+
     # What takes more than one step
+
+    def begins_afresh(self) -> None:
+        """Let go of the mouse; where a question that was never answered covers the page, load it again."""
+        self.tab.mouse.up()
+        if self.tab.get_by_role("dialog").count():
+            self.tab.reload()
+            self.sees(texts.YOU_CONTROL)
 
     def is_known(self, name: str) -> None:
         """Type the operator's name."""
@@ -112,10 +133,12 @@ class Visitor:
     def checks(self) -> None:
         """Check before a scan, and say that nobody's face is there if that was not said already."""
         self.goes_to(texts.TAB_SCAN)
-        armed = self.tab.get_by_text(texts.ARMED, exact=True).count() > 0
+        self.misses(re.compile("^Checked"))
         self.presses(texts.CHECK)
-        if not armed:
-            self.presses(texts.ARM_YES)
+        question, checked = self.button(texts.ARM_YES), self.tab.get_by_text(re.compile("^Checked"))
+        question.or_(checked).first.wait_for()
+        if question.count():
+            question.click()
         self.sees(re.compile("^Checked"))
 
     def starts(self) -> None:

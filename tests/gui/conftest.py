@@ -13,13 +13,15 @@ from footscan.config.rig_file import Rig
 from footscan.gui.door import Address
 from footscan.gui.page import Page
 from footscan.gui.serve import open_page
+from footscan.gui.state import CameraChoice
 from footscan.records import NewPatient
 from footscan.workflow.demo_patients import add_demo_patients
 from footscan.workflow.designs import builtin_rig
 from footscan.workflow.visit import Filing, file_scan
+from tests.gui.until import until
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, BrowserContext
 
     from footscan.gui.visitor import Visitor as Operator
 
@@ -100,15 +102,28 @@ def chromium() -> Generator["Browser"]:
 
 
 @pytest.fixture(scope="session")
-def me(chromium: "Browser", served: Served) -> Generator["Operator"]:
+def olga(chromium: "Browser", served: Served) -> Generator["Operator"]:
     """One browser that controls the page, for all tests that leave it open."""
     from footscan.gui.visitor import Visitor
 
-    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    context = _context(chromium, 1280, 800)
     visitor = Visitor(context.new_page(), served.url)
     visitor.is_known("Olga Operator")
     yield visitor
     context.close()
+
+
+@pytest.fixture
+def me(olga: "Operator", served: Served) -> "Operator":
+    """That browser, whatever a test before has left behind: a button held down, a question, a job, a threshold."""
+    desk = served.page.desk
+    olga.begins_afresh()
+    if desk.state.job is not None:
+        desk.stop()
+        until(lambda: desk.state.job is None)
+    desk.post(lambda: desk.change(camera=CameraChoice()))
+    until(lambda: desk.state.camera == CameraChoice())
+    return olga
 
 
 @pytest.fixture
@@ -118,8 +133,16 @@ def operator(chromium: "Browser") -> Generator[Callable[..., "Operator"]]:
     with ExitStack() as stack:
 
         def opens(url: str, width: int = 1280, height: int = 800) -> "Operator":
-            context = chromium.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+            context = _context(chromium, width, height)
             stack.callback(context.close)
             return Visitor(context.new_page(), url)
 
         yield opens
+
+
+def _context(chromium: "Browser", width: int, height: int) -> "BrowserContext":
+    from footscan.gui.headless import keep_calm
+
+    context = chromium.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+    keep_calm(context)
+    return context

@@ -33,14 +33,14 @@ def _tape_mm(me: Operator) -> float:
 def test_a_section_follows_the_sliders(clinician: Operator, served: Served) -> None:
     middle_mm = _tape_mm(clinician)
     clinician.drags(texts.SECTION_SHARE, 70)
-    until(lambda: _tape_mm(clinician) != middle_mm)
+    until(lambda: _tape_mm(clinician) < middle_mm)  # the toes; on the way there the instep is passed, or the ball
     toes_mm = _tape_mm(clinician)
     clinician.drags(texts.SECTION_TILT, 110)
-    until(lambda: abs(served.page.desk.state.inspect.tilt_deg) > 45 and _tape_mm(clinician) != toes_mm)
-    level_mm = _tape_mm(clinician)
+    until(lambda: abs(served.page.desk.state.inspect.tilt_deg) > 45)
+    until(lambda: _tape_mm(clinician) > middle_mm)
 
     assert 180 < middle_mm < 300
-    assert toes_mm < middle_mm < level_mm
+    assert toes_mm > 50
     clinician.drags(texts.SECTION_SHARE, 300)
     clinician.drags(texts.SECTION_TILT, -300)
 

@@ -11,8 +11,10 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def reloaded(me: Operator) -> Operator:
+def reloaded(olga: Operator) -> Operator:
     """The page with the result of a scan in whose middle it was loaded again."""
+    me = olga
+    me.begins_afresh()
     me.enters("Rene Reload")
     me.starts()
     me.tab.reload()
