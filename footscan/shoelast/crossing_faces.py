@@ -6,6 +6,7 @@ from footscan.compiled import compiled, compiled_inline
 from footscan.coordinates import Bools, Floats, Ints
 
 _MOST_CUBES = 12
+_IN_PLANE_MM = 1e-5
 
 
 def crossing_faces(xyz: Floats, faces: Ints) -> Bools:
@@ -23,7 +24,8 @@ def crossing_faces(xyz: Floats, faces: Ints) -> Bools:
     cube, face = _cubes(first, final, count)
     order = np.argsort(cube, kind="stable")
     begins = np.flatnonzero(np.concatenate([[True], np.diff(cube[order]) > 0, [True]]))
-    return _pierced(np.ascontiguousarray(corner), low, high, faces, face[order], begins)
+    double = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    return _pierced(np.ascontiguousarray(corner), double, low, high, faces, face[order], begins)
 
 
 @compiled_inline
@@ -36,11 +38,14 @@ def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> float:
 
 
 @compiled_inline
-def _pierces(begin: Floats, end: Floats, triangle: Floats) -> bool:
-    """Whether a piece of line goes through a triangle (signs of tetrahedra)."""
+def _pierces(begin: Floats, end: Floats, triangle: Floats, least: float) -> bool:
+    """Whether a piece of line goes through a triangle (signs of tetrahedra); ends nearer than `least` are in its plane.
+
+    In the plane of the triangle signs are chance: the facets of a flat face lie beside each other and cross nowhere.
+    """
     one = _volume(begin, triangle[0], triangle[1], triangle[2])
     two = _volume(end, triangle[0], triangle[1], triangle[2])
-    if (one > 0.0) == (two > 0.0):
+    if (one > 0.0) == (two > 0.0) or min(abs(one), abs(two)) <= least:
         return False
     a = _volume(begin, end, triangle[0], triangle[1]) > 0.0
     b = _volume(begin, end, triangle[1], triangle[2]) > 0.0
@@ -66,7 +71,9 @@ def _cubes(first: Ints, final: Ints, count: Ints) -> tuple[Ints, Ints]:
 
 
 @compiled
-def _pierced(corner: Floats, low: Floats, high: Floats, faces: Ints, order: Ints, begins: Ints) -> Bools:
+def _pierced(
+    corner: Floats, double: Floats, low: Floats, high: Floats, faces: Ints, order: Ints, begins: Ints
+) -> Bools:
     found = np.zeros(len(faces), dtype=np.bool_)
     for c in range(len(begins) - 1):
         for p in range(begins[c], begins[c + 1]):
@@ -91,8 +98,8 @@ def _pierced(corner: Floats, low: Floats, high: Floats, faces: Ints, order: Ints
                 hit = False
                 for i in range(3):
                     j = (i + 1) % 3
-                    hit = hit or _pierces(corner[a, i], corner[a, j], corner[b])
-                    hit = hit or _pierces(corner[b, i], corner[b, j], corner[a])
+                    hit = hit or _pierces(corner[a, i], corner[a, j], corner[b], _IN_PLANE_MM * float(double[b]))
+                    hit = hit or _pierces(corner[b, i], corner[b, j], corner[a], _IN_PLANE_MM * float(double[a]))
                 if hit:
                     found[a] = True
                     found[b] = True

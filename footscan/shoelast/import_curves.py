@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from footscan.coordinates import Bools, Floats, Ints
+from footscan.coordinates import Floats, Ints
 from footscan.geometry.nearest import PointTree
 
 EDGES = ("feather_edge", "cone_edge")
 NEAR_MM, OFF_MM = 0.4, 1.5
-"""Mesh edges nearer than the first to a curve are on it; a curve further than the second from the edge is not used."""
+"""Mesh edges nearer to a curve than the first are cheap; a curve further off than the second is not used."""
 _STEP_MM = 0.02
 
 
@@ -21,15 +21,15 @@ def dense_curve(xyz: Floats) -> Floats:
     return np.stack([np.interp(places, walked, xyz[:, k]) for k in range(3)], axis=1)
 
 
-def on_curve(xyz: Floats, ends: Ints, curve: Floats | None) -> Bools:
-    """Which mesh edges `(k, 2)` run along a dense curve; none without one."""
+def off_curve(xyz: Floats, ends: Ints, curve: Floats | None) -> Floats:
+    """How far off a dense curve mesh edges `(k, 2)` lie: 0 on it, 1 from `NEAR_MM` on and without one."""
+    off = np.ones(len(xyz))
     if curve is None:
-        return np.zeros(len(ends), dtype=np.bool_)
-    near = np.zeros(len(xyz), dtype=np.bool_)
+        return np.ones(len(ends))
     low, high = curve.min(axis=0) - NEAR_MM, curve.max(axis=0) + NEAR_MM
     asked = np.flatnonzero(((xyz > low) & (xyz < high)).all(axis=1))
-    near[asked] = PointTree(curve).nearest(xyz[asked], 1, NEAR_MM)[0][:, 0] < NEAR_MM
-    return np.asarray(near[ends].all(axis=1), dtype=np.bool_)
+    off[asked] = np.minimum((PointTree(curve).nearest(xyz[asked], 1, NEAR_MM)[0][:, 0] / NEAR_MM) ** 2, 1.0)
+    return np.asarray(off[ends].max(axis=1), dtype=np.float64)
 
 
 def drawn_to_curves(

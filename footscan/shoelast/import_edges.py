@@ -14,13 +14,17 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, maxi
 
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.errors import MeshError
-from footscan.shoelast.import_curves import on_curve
-from footscan.shoelast.mesh_topology import Edges, edges_of, face_normals, loops
+from footscan.shoelast.import_curves import off_curve
+from footscan.shoelast.mesh_topology import Edges, edges_of, face_normals, loops, usual_direction
 
 SHARP_RAD = np.radians(40.0)
 _SOFT_RAD = np.radians(18.0)
-_CAPACITY = 2000.0
+_LEAST_SHARE = 0.002
+_CAPACITY = 1e5
+"""Units of cost per mm: whole numbers are wanted, and the cheapest tenth of a millimetre must still be many."""
 _BOTTOM, _UPPER = 0.62, 0.25
+_CONE_UP, _CONE_TURN = 0.78, 0.93
+"""Cosines: how far a cone top may lean (a high heel leans it), and how far its faces from one another."""
 _CONE_BAND_MM = 6.0
 _FLAT_MM = 0.8
 _WIDEST_CONE_MM = 52.0
@@ -71,14 +75,15 @@ def find_regions(
     normal, area = face_normals(xyz, faces)
     smooth = _smoothed(normal, area, edges)
     turn = _turn(normal, xyz, faces, edges)
-    cost = _cost(xyz, edges, turn)
+    given = curves or {}
     middle = xyz[faces].mean(axis=1)
     cone_seed, rest_seed = _cone_seeds(smooth, area, middle, edges)
-    given = curves or {}
-    cone = _cut(edges, _guided(cost, xyz, edges, given.get("cone_edge")), cone_seed, rest_seed)
-    bottom_seed = _largest(_eroded((-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5), edges), area, edges)
-    cost = _guided(cost, xyz, edges, given.get("feather_edge"))
-    bottom = _cut(edges, cost, bottom_seed, _eroded(-smooth[:, 2] < _UPPER, edges) | cone)
+    cone = _cut(edges, _cost(xyz, edges, turn, given.get("cone_edge")), cone_seed, rest_seed)
+    cone = _filled(cone, area, edges)
+    down = (-smooth[:, 2] > _BOTTOM) & (np.abs(smooth[:, 1]) < 0.5)
+    bottom_seed = _largest(_eroded(down & ~_at_sharp(edges, turn), edges), area, edges)
+    cost = _cost(xyz, edges, turn, given.get("feather_edge"))
+    bottom = _filled(_cut(edges, cost, bottom_seed, _eroded(-smooth[:, 2] < _UPPER, edges) | cone), area, edges)
     feather, feather_turn = _border(edges, bottom, turn)
     rim, cone_turn = _border(edges, cone, turn)
     _check(xyz, feather, rim, feather_turn if edge_seen else np.full(1, np.pi))
@@ -106,23 +111,23 @@ def _turn(normal: Floats, xyz: Floats, faces: Ints, edges: Edges) -> Floats:
     return np.where(inner, np.arccos(cosine) * np.where(convex, 1.0, -1.0), 0.0)
 
 
-def _cost(xyz: Floats, edges: Edges, turn: Floats) -> Ints:
+def _cost(xyz: Floats, edges: Edges, turn: Floats, curve: Floats | None) -> Ints:
+    """What it costs to run along each edge: its length, less where it is sharp, and less along a curve of the file.
+
+    Near the curve the sharpest edge is still the cheapest, so that the cut does not stray beside it.
+    """
     length = np.linalg.norm(xyz[edges.ends[:, 1]] - xyz[edges.ends[:, 0]], axis=1)
-    share = np.exp(-((np.maximum(turn, 0.0) / _SOFT_RAD) ** 2))
-    return np.maximum((_CAPACITY * length * (share + 0.002)).astype(np.int64), 1)
-
-
-def _guided(cost: Ints, xyz: Floats, edges: Edges, curve: Floats | None) -> Ints:
-    """Nothing is cheaper than to run along a curve that the file brought."""
-    return np.where(on_curve(xyz, edges.ends, curve), 1, cost)
+    share = np.exp(-((np.maximum(turn, 0.0) / _SOFT_RAD) ** 2)) * off_curve(xyz, edges.ends, curve)
+    return np.maximum((_CAPACITY * length * (share + _LEAST_SHARE)).astype(np.int64), 1)
 
 
 def _cone_seeds(smooth: Floats, area: Floats, middle: Floats, edges: Edges) -> tuple[Bools, Bools]:
     """Faces in the cone's plane, and faces that are surely not: well below it, or far in front."""
     back = middle[:, 0] < middle[:, 0].min() + 0.62 * np.ptp(middle[:, 0])
-    flat = _largest((smooth[:, 2] > 0.93) & back & (middle[:, 2] > np.percentile(middle[:, 2], 70)), area, edges)
-    if not flat.any():
+    high = (smooth[:, 2] > _CONE_UP) & back & (middle[:, 2] > np.percentile(middle[:, 2], 70))
+    if not high.any():
         raise MeshError("no cone top found: the file holds no last, or its cone is cut off or open.")
+    flat = _largest(high & (smooth @ usual_direction(smooth[high], area[high]) > _CONE_TURN), area, edges)
     normal, origin = _plane(middle[flat], area[flat])
     away = np.abs((middle - origin) @ normal)
     seed = _eroded(flat & (away < _FLAT_MM), edges)
@@ -142,6 +147,13 @@ def _plane(xyz: Floats, weight: Floats) -> tuple[Floats, Floats]:
         away = np.abs((xyz - origin) @ normal)
         keep = away <= max(float(np.percentile(away, 70)), 0.05)
     return (normal if normal[2] > 0 else -normal), origin
+
+
+def _at_sharp(edges: Edges, turn: Floats) -> Bools:
+    """Faces on a sharp edge: seen from below, the back of a high heel joins the bottom there."""
+    found = np.zeros(int(edges.faces.max()) + 1, dtype=np.bool_)
+    found[edges.faces[turn > SHARP_RAD].reshape(-1)] = True
+    return found
 
 
 def _eroded(chosen: Bools, edges: Edges) -> Bools:
@@ -165,6 +177,11 @@ def _largest(chosen: Bools, area: Floats, edges: Edges) -> Bools:
     count, label = connected_components(graph, directed=False)
     total = np.bincount(label, weights=area * chosen, minlength=count)
     return (label == total.argmax()) & chosen
+
+
+def _filled(region: Bools, area: Floats, edges: Edges) -> Bools:
+    """A region together with what it encloses, so that it has one border."""
+    return ~_largest(~region, area, edges)
 
 
 def _cut(edges: Edges, cost: Ints, inside: Bools, outside: Bools) -> Bools:

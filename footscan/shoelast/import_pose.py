@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
-from footscan.coordinates import Floats, Ints, Side
+from footscan.coordinates import Bools, Floats, Ints, Side
 from footscan.errors import MeshError
+from footscan.foot.crossing import convex_hull
 from footscan.foot.sections import cut_shell
 from footscan.foot.shell import Shell
 from footscan.foot.units import UNITS, mm_from_unit
 from footscan.shoelast.design import SEAT_SHARE
-from footscan.shoelast.mesh_topology import face_normals, pieces
+from footscan.shoelast.mesh_topology import face_normals, pieces, usual_direction
 from footscan.shoelast.model import Attachment
 
 LENGTH_MM = (140.0, 400.0)
@@ -24,6 +25,8 @@ _LARGE_SHARE, _HALF_DEPTH_MM = 0.6, 62.0
 _BASE_MM = 1.0
 """The last bit of a knob is left out of its outline: it may widen into the last there."""
 _BALL_SHARE = 0.66
+_TABLE_ROUNDS = 2
+_LEANING, _SAME_WAY, _FLAT_MM, _SAWN_SHARE = 0.6, float(np.cos(np.radians(3.0))), 0.4, 0.9
 _FACTORS = (10.0, 25.4, 1000.0)
 """By these a unit is mistaken: cm or m written as if they were mm, or inches."""
 _X = np.array([1.0, 0.0, 0.0])
@@ -62,7 +65,8 @@ def rough_frame(xyz: Floats, faces: Ints, side: Side) -> Floats:
     """A 4x4 that lays a last roughly upright with its toe along +x and y medial.
 
     The long axis comes from the moments of the skin; down is where, around that axis, most skin looks to (the bottom);
-    the heel is the end that is higher.
+    the heel is the end that is higher. Then it is laid on its seat and ball as on a table: the long axis rises the more
+    the higher the heel is.
 
     Args:
         xyz: `(n, 3)` mm, any heading.
@@ -82,6 +86,8 @@ def rough_frame(xyz: Floats, faces: Ints, side: Side) -> Floats:
         frame[:2] *= -1.0
     if side == "left":
         frame[1] *= -1.0
+    for _ in range(_TABLE_ROUNDS):
+        frame[:3, :3] = _laid_on_table(xyz @ frame[:3, :3].T) @ frame[:3, :3]
     frame[:3, 3] = -(xyz @ frame[:3, :3].T).min(axis=0)
     return frame
 
@@ -97,6 +103,18 @@ def _down(normal: Floats, area: Floats, long: Floats) -> Floats:
     smooth = np.convolve(np.concatenate([count[-30:], count, count[:30]]), kernel, "valid")
     best = np.radians(smooth.argmax() + 0.5) - np.pi
     return np.cos(best) * first + np.sin(best) * second
+
+
+def _laid_on_table(xyz: Floats) -> Floats:
+    """A turn `(3, 3)` about y that lays a body on the two places, seen from the side, between which it balances."""
+    corner = xyz[convex_hull(np.ascontiguousarray(xyz[:, [0, 2]]))][:, [0, 2]]
+    middle = 0.5 * (xyz[:, 0].min() + xyz[:, 0].max())
+    begin, end = corner, np.roll(corner, -1, axis=0)
+    spanning = np.flatnonzero((begin[:, 0] <= middle) != (end[:, 0] <= middle))
+    below = spanning[(begin + end)[spanning, 1].argmin()]
+    along = (end - begin)[below] * np.sign((end - begin)[below, 0])
+    cosine, sine = along / np.linalg.norm(along)
+    return np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
 
 
 def _heel_in_front(xyz: Floats) -> bool:
@@ -216,19 +234,38 @@ def _depth_mm(xyz: Floats, rim: Floats) -> float:
 
 
 def _check_flat_end(xyz: Floats, faces: Ints, extent: Floats) -> None:
-    """A large flat face that stands upright is where a last was sawn through."""
+    """Refuse a last with a flat face where it was sawn through: a large one that stands, or one that it lies on.
+
+    A half lies on all of its plan; a bottom is narrower than the last above it.
+    """
     normal, area = face_normals(xyz, faces)
-    upright = np.abs(normal[:, 2]) < 0.3
-    normal, area, middle = normal[upright], area[upright], xyz[faces[upright]].mean(axis=1)
-    angle = np.degrees(np.arctan2(normal[:, 1], normal[:, 0])) % 360.0
-    bins = np.histogram(angle, 120, (0.0, 360.0), weights=area)[0]
-    best = 3.0 * (int((bins + np.roll(bins, -1)).argmax()) + 1)
-    near = np.abs((angle - best + 180.0) % 360.0 - 180.0) < 3.0
-    offset = middle[near] @ np.average(normal[near], axis=0, weights=area[near])
-    flat = np.histogram(offset, max(int(np.ptp(offset) / 0.4), 1), weights=area[near])[0]
-    if flat.max() > 0.2 * extent[1] * extent[2]:
-        way = "lengthwise" if abs(np.sin(np.radians(best))) > 0.7 else "across"
-        raise MeshError(f"the last is cut off {way}: it has a flat upright face; export the whole last.")
+    middle = xyz[faces].mean(axis=1)
+    plan = float((area * np.maximum(normal[:, 2], 0.0)).sum())
+    lying = [_largest_flat(normal[side], area[side], middle[side])[1] for side in _lying(normal)]
+    stands = np.abs(normal[:, 2]) < _LEANING
+    usual, flat = _largest_flat(normal[stands], area[stands], middle[stands])
+    if max(lying) > _SAWN_SHARE * plan:
+        way = "lengthwise"
+    elif flat > 0.2 * extent[1] * extent[2]:
+        way = "lengthwise" if abs(usual[1]) > 0.7 else "across"
+    else:
+        return
+    raise MeshError(f"the last is cut off {way}: it has a flat face as large as a cut; export the whole last.")
+
+
+def _lying(normal: Floats) -> tuple[Bools, Bools]:
+    return normal[:, 2] <= -_LEANING, normal[:, 2] >= _LEANING
+
+
+def _largest_flat(normal: Floats, area: Floats, middle: Floats) -> tuple[Floats, float]:
+    """Which way the largest flat part of some faces looks `(3,)`, and its area (mm2)."""
+    if len(normal) == 0:
+        return np.array([0.0, 0.0, 1.0]), 0.0
+    usual = usual_direction(normal, area)
+    near = normal @ usual > _SAME_WAY
+    offset = middle[near] @ usual
+    count = np.histogram(offset, max(int(np.ptp(offset) / _FLAT_MM), 1), weights=area[near])[0]
+    return usual, float(count.max())
 
 
 def heading_of(xyz_edge: Floats) -> Floats:

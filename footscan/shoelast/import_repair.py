@@ -15,10 +15,10 @@ from footscan.shoelast.mesh_topology import (
     pieces,
     rims,
     unique_rows,
-    welded,
 )
+from footscan.shoelast.seams import with_closed_seams
 
-_WELD_MM = 0.02
+_WELD_MM, _SEAM_MM = 0.02, 0.05
 _CRUMB_SHARE = 0.004
 """Of the area of the largest piece: less is a crumb, more a body of its own (a stub, a toe centre)."""
 _ANOTHER_LAST_SHARE = 0.3
@@ -57,7 +57,7 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
         raise MeshError(f"{len(faces)} triangles are no digitised last, which has thousands; export it finer.")
     xyz, faces = _exactly_joined(np.where(np.isfinite(xyz), xyz, 0.0), faces)
     before = pieces(faces)[0]
-    xyz, faces = welded(xyz, faces, _WELD_MM)
+    xyz, faces = with_closed_seams(xyz, faces, _WELD_MM, _SEAM_MM)
     faces = _single(faces, remarks)
     faces = _manifold(xyz, faces, remarks)
     joined = pieces(faces)[0]

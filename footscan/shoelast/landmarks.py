@@ -82,8 +82,8 @@ def find_points(body: Body) -> Mapping[str, Floats]:
         "rear_point": ends[0],
         "toe_point": ends[1],
         "toe_feather_point": feather[feather[:, 0].argmax()],
-        "seat_point": _on_centre_line(body, body.back_mm + SEAT_SHARE * body.stick_mm),
-        "tread_point": _tread(body),
+        "seat_point": find_seat(body),
+        "tread_point": find_tread(body),
         "ball_medial": medial,
         "ball_lateral": lateral,
         "instep_point": _top_of_cut(body, np.array([instep_x, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])),
@@ -128,14 +128,16 @@ def _widest(body: Body, band: tuple[float, float], sign: float) -> Floats:
     return np.array([at, *cut[(sign * cut[:, 1]).argmax()][1:]])
 
 
-def _tread(body: Body) -> Floats:
+def find_tread(body: Body) -> Floats:
+    """The tread point `(3,)`, where the last stands."""
     share = (body.centre_line[:, 0] - body.back_mm) / body.stick_mm
     band = body.centre_line[(share > TREAD_BAND[0]) & (share < TREAD_BAND[1])]
     return band[band[:, 2].argmin()]
 
 
-def _on_centre_line(body: Body, x: float) -> Floats:
-    line = body.centre_line
+def find_seat(body: Body) -> Floats:
+    """The seat point `(3,)`, whose height is the pitch."""
+    x, line = body.back_mm + SEAT_SHARE * body.stick_mm, body.centre_line
     return np.array([np.interp(x, line[:, 0], line[:, k]) for k in range(3)])
 
 
@@ -159,7 +161,7 @@ def axis_yaw_rad(body: Body) -> tuple[float, Floats]:
 
 def lowest_bottom_mm(body: Body) -> float:
     """Z of the tread point."""
-    return float(_tread(body)[2])
+    return float(find_tread(body)[2])
 
 
 def bottom_faces(body: Body) -> Shell:

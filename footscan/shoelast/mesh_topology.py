@@ -9,9 +9,9 @@ from scipy.sparse.csgraph import connected_components
 
 from footscan.coordinates import Floats, Ints
 from footscan.foot.crossing import chain_segments
-from footscan.geometry.nearest import PointTree
 from footscan.shoelast.winding_loop import spread_turns
 
+_CELL, _NEAR_COSINE = 0.1, float(np.cos(np.radians(5.0)))
 _MIXED = np.array([np.sqrt(2.0), np.sqrt(3.0), np.sqrt(5.0)])
 
 
@@ -58,21 +58,6 @@ def unique_rows(rows: Floats | Ints) -> tuple[Floats | Ints, Ints, Ints]:
     if not np.array_equal(rows[first][place], rows):
         _, first, place = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     return rows[first], first, place.reshape(-1)
-
-
-def welded(xyz: Floats, faces: Ints, distance_mm: float) -> tuple[Floats, Ints]:
-    """Join vertices nearer than a distance; faces that lose a corner go."""
-    _, first, place = unique_rows(np.round(xyz / (0.5 * distance_mm)))
-    xyz, faces = xyz[first], place[faces]
-    pairs = PointTree(xyz).pairs(distance_mm)
-    if len(pairs):
-        size = len(xyz)
-        graph = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
-        count, label = connected_components(graph, directed=False)
-        total = np.stack([np.bincount(label, weights=xyz[:, k], minlength=count) for k in range(3)], axis=1)
-        xyz, faces = total / np.bincount(label, minlength=count)[:, None], label[faces].astype(np.int64)
-    whole = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    return xyz, faces[whole]
 
 
 def pieces(faces: Ints) -> tuple[int, Ints]:
@@ -122,3 +107,14 @@ def face_normals(xyz: Floats, faces: Ints) -> tuple[Floats, Floats]:
     cross = np.cross(b - a, c - a)
     size = np.linalg.norm(cross, axis=1)
     return cross / np.maximum(size, 1e-12)[:, None], 0.5 * size
+
+
+def usual_direction(normal: Floats, area: Floats) -> Floats:
+    """Where the largest part of some skin looks to `(3,)`, from unit normals `(k, 3)` and areas `(k,)`."""
+    cell = np.floor(normal / _CELL).astype(np.int64)
+    _, name = np.unique((cell[:, 0] * 1000 + cell[:, 1]) * 1000 + cell[:, 2], return_inverse=True)
+    fullest = name == np.bincount(name, weights=area).argmax()
+    middle = (normal[fullest] * area[fullest, None]).sum(axis=0)
+    near = normal @ (middle / np.linalg.norm(middle)) > _NEAR_COSINE
+    mean = (normal[near] * area[near, None]).sum(axis=0)
+    return mean / np.linalg.norm(mean)

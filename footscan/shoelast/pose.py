@@ -8,8 +8,15 @@ import trimesh
 
 from footscan.coordinates import Floats
 from footscan.foot.nurbs import SplineTube
-from footscan.shoelast.design import SEAT_SHARE
-from footscan.shoelast.landmarks import TREAD_BAND, axis_yaw_rad, body_of, lowest_bottom_mm
+from footscan.shoelast.landmarks import (
+    MARK_SAMPLING,
+    Body,
+    axis_yaw_rad,
+    body_of,
+    find_seat,
+    find_tread,
+    lowest_bottom_mm,
+)
 from footscan.shoelast.model import Attachment, Shoelast
 from footscan.shoelast.patches import ChordDisc
 from footscan.shoelast.skin import Sampling
@@ -17,16 +24,17 @@ from footscan.shoelast.skin import Sampling
 _ROUNDS, _SMALL_RAD = 6, 1e-5
 TREAD_SHARE, _TREAD_SPAN = 0.665, 0.03
 """Where along the bottom a last stands, and over how much of it its slope is taken."""
+_SEAT = (0.05, 0.14)
 _COARSE = Sampling(128, 40, 2)
 
 
-def settled(shoelast: Shoelast) -> Shoelast:
+def settled(shoelast: Shoelast, sampling: Sampling = _COARSE) -> Shoelast:
     """The last with its axis on y = 0, its rearmost place at x = 0 and its tread point at z = 0.
 
-    It must stand upright and roughly point along x.
+    It must stand upright and roughly point along x. Sampled coarsely, the axis is known to about 0.1 degrees.
     """
     for _ in range(_ROUNDS):
-        body = body_of(shoelast, _COARSE)
+        body = body_of(shoelast, sampling)
         yaw, heel = axis_yaw_rad(body)
         turn = _about_z(-yaw)
         turn[:2, 3] = -(turn[:2, :2] @ heel)
@@ -42,15 +50,26 @@ def levelled(shoelast: Shoelast, pitch_mm: float | None = None) -> Shoelast:
     """The last tipped about y until it stands at a pitch, or until its bottom is level at the tread.
 
     A mesh does not say at which pitch it stood: unless somebody says it, a last stands where the middle of its bottom
-    is level at `TREAD_SHARE` of its length.
+    is level at `TREAD_SHARE` of its length. Across, its seat is level.
     """
     for _ in range(2 * _ROUNDS):
-        line = body_of(shoelast, _COARSE).centre_line
-        angle = _slope_at_tread(line) if pitch_mm is None else _pitch_error(line, pitch_mm)
-        shoelast = settled(moved(shoelast, _about_y(angle)))
+        shoelast = moved(shoelast, _about_x(-_seat_roll_rad(shoelast)))
+        body = body_of(shoelast, MARK_SAMPLING)
+        angle = _slope_at_tread(body.centre_line) if pitch_mm is None else _pitch_error(body, pitch_mm)
+        shoelast = settled(moved(shoelast, _about_y(angle)), MARK_SAMPLING)
         if abs(angle) < _SMALL_RAD:
             break
     return shoelast
+
+
+def _seat_roll_rad(shoelast: Shoelast) -> float:
+    """How far the bottom rises towards medial behind the seat point, over which the shank does not twist yet."""
+    lateral, medial = shoelast.bottom.grid(np.linspace(0.0, 1.0, 401), np.array([0.0, 1.0])).swapaxes(0, 1)
+    if medial[:, 1].sum() < lateral[:, 1].sum():
+        lateral, medial = medial, lateral
+    share = (lateral[:, 0] - lateral[0, 0]) / (lateral[-1, 0] - lateral[0, 0])
+    across = (medial - lateral)[(share > _SEAT[0]) & (share < _SEAT[1])].sum(axis=0)
+    return float(np.arctan2(across[2], across[1]))
 
 
 def _slope_at_tread(line: Floats) -> float:
@@ -60,14 +79,17 @@ def _slope_at_tread(line: Floats) -> float:
     return float(np.arctan(np.polyfit(line[near, 0] - middle, line[near, 2], 2)[1]))
 
 
-def _pitch_error(line: Floats, pitch_mm: float) -> float:
+def _pitch_error(body: Body, pitch_mm: float) -> float:
     """Angle (rad) that lowers the seat to the wanted pitch."""
-    share = (line[:, 0] - line[0, 0]) / (line[-1, 0] - line[0, 0])
-    seat = float(np.interp(SEAT_SHARE, share, line[:, 2]))
-    front = (share > TREAD_BAND[0]) & (share < TREAD_BAND[1])
-    tread = int(np.flatnonzero(front)[line[front, 2].argmin()])
-    away = float(line[tread, 0] - np.interp(SEAT_SHARE, share, line[:, 0]))
-    return float(np.arctan2(pitch_mm - (seat - line[tread, 2]), away))
+    seat, tread = find_seat(body), find_tread(body)
+    return float(np.arctan2(pitch_mm - (seat[2] - tread[2]), tread[0] - seat[0]))
+
+
+def _about_x(angle_rad: float) -> Floats:
+    turn = np.eye(4)
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    turn[[1, 1, 2, 2], [1, 2, 1, 2]] = [cosine, -sine, sine, cosine]
+    return turn
 
 
 def _about_y(angle_rad: float) -> Floats:

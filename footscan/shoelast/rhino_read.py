@@ -13,14 +13,13 @@ from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.source import LastSource, joined_lines, line_name
+from footscan.shoelast.split_faces import LONGEST_MM
+from footscan.shoelast.surface_facets import facets_of
 
 rhino3dm: Any = _rhino3dm  # its type stubs lack what containers and meshes can do
 
 _MM = {"Millimeters": 1.0, "Centimeters": 10.0, "Meters": 1000.0, "Inches": 25.4, "Feet": 304.8, "Microns": 0.001}
 _CHORD_MM = 0.02
-_MOST_STEPS = 1536
-_FIRST = 4
-"""Steps per span at first: patches that share an edge then mostly have the same places along it."""
 _EDGE_MM = 0.02
 _SAME_BOX_MM = 3.0
 _SUBDIVISIONS = 3
@@ -167,33 +166,12 @@ def _untrimmed(brep: Any, face: Any, surface: Any) -> bool:
 
 def _surface_parts(surface: Any, chord: float) -> tuple[Floats, Ints]:
     """A whole surface as triangles within the chord error."""
-    evaluate, spans = _evaluator(surface)
-    steps = [max(_FIRST * span, 8) for span in spans]
-    while True:
-        xyz = evaluate(*(np.linspace(0.0, 1.0, 2 * step + 1) for step in steps))
-        corner = xyz[::2, ::2]
-        gaps = (
-            xyz[1::2, ::2] - 0.5 * (corner[:-1] + corner[1:]),
-            xyz[::2, 1::2] - 0.5 * (corner[:, :-1] + corner[:, 1:]),
-        )
-        coarse = [np.linalg.norm(gap, axis=-1).max() > chord for gap in gaps]
-        # only doubled, so that the places of two patches along their common edge are the same or every other one
-        finer = [2 * n if far and 2 * n <= _MOST_STEPS else n for n, far in zip(steps, coarse, strict=True)]
-        if finer == steps:
-            return _grid_parts(corner)
-        steps = finer
+    evaluate, breaks = _evaluator(surface)
+    return facets_of(evaluate, breaks, chord, chord * LONGEST_MM / _CHORD_MM)
 
 
-def _grid_parts(corner: Floats) -> tuple[Floats, Ints]:
-    rows, columns = corner.shape[:2]
-    index = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-    faces = np.concatenate([np.stack(three, axis=-1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))])
-    return corner.reshape(-1, 3), faces
-
-
-def _evaluator(surface: Any) -> tuple[Any, tuple[int, int]]:
-    """A function of two parameters on 0..1 that gives points, and the spans both ways."""
+def _evaluator(surface: Any) -> tuple[Any, tuple[Floats, Floats]]:
+    """A function of two parameters on 0..1 that gives points, and the ends of the spans both ways."""
     nurbs = surface.ToNurbsSurface()
     count_u, count_v = nurbs.Points.CountU, nurbs.Points.CountV
     raw = [nurbs.Points[i, j] for i in range(count_u) for j in range(count_v)]
@@ -215,7 +193,8 @@ def _evaluator(surface: Any) -> tuple[Any, tuple[int, int]]:
         weighted = BSpline(knots[1], along, degrees[1], axis=1)(at(v, 1))
         return weighted[..., :3] / weighted[..., 3:]
 
-    return evaluate, (len(np.unique(knots[0])) - 1, len(np.unique(knots[1])) - 1)
+    first, second = (np.unique((k - low) / (high - low)) for k, (low, high) in zip(knots, ends, strict=True))
+    return evaluate, (first[(first >= 0.0) & (first <= 1.0)], second[(second >= 0.0) & (second <= 1.0)])
 
 
 def _full_knots(knots: list[float]) -> Floats:
