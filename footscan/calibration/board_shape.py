@@ -100,8 +100,8 @@ def shape_gates(shape: BoardShape, names: tuple[str, ...]) -> list[Gate]:
             max(MOST_UNEQUAL, shape.surely_unequal),
             "",
             "The print is scaled differently in x and y than board.toml says: measure both lengths with a calliper and "
-            "enter them (--measured-x, --measured-y). If they hold, the camera's horizontal scale is not as designed: "
-            "use --horizontal-scale.",
+            "calibrate with both. If they hold, the camera's horizontal scale is not as designed: use "
+            "footscan calibrate --horizontal-scale.",
         ),
         Gate(
             "board_of_other_size",

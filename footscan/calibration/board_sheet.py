@@ -14,9 +14,6 @@ from footscan.config import Board
 from footscan.coordinates import Bools
 from footscan.errors import InputError
 
-DEFAULT_BOARD = Board(squares_x=7, squares_y=5, square_mm=30.0, marker_mm=22.0, dictionary="DICT_4X4_50")
-"""The board that calibration is tuned for: fits on A4, seven squares by five."""
-
 _PAGES_MM = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0)}
 _EDGE_MM = 10.0
 _RULER_MM = 14.0

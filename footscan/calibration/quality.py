@@ -17,8 +17,32 @@ from footscan.coordinates import LASER_NAMES
 SCALE_VERIFIED = "verified: lengths of the board were measured with a calliper"
 SCALE_UNVERIFIED = (
     "scale not verified: every length rests on the nominal size of the print; measure the board with a calliper in "
-    "both directions (--measured-x, --measured-y), or check a gauge block or ball bar with footscan accept"
+    "both directions and calibrate with both lengths, or check a gauge block or ball bar with footscan accept"
 )
+
+_IN_WORDS = {
+    "focal_length_mm": "the focal length",
+    "principal_point_y_px": "the lens centre across the rows",
+    "principal_point_z_px": "the lens centre along the rows",
+    "k1_per_mm2": "the lens distortion (K1)",
+    "k2_per_mm4": "the lens distortion (K2)",
+    "phi_rad": "the camera's direction (phi)",
+    "sigma_rad": "the camera's direction (sigma)",
+    "t_x_mm": "the camera's place (t_x)",
+    "t_y_mm": "the camera's place (t_y)",
+    "t_z_mm": "the camera's place (t_z)",
+    "right_azimuth_rad": "the right laser's direction",
+    "right_lean_rad": "the right laser's lean",
+    "right_offset_mm": "the right laser's distance from the axis",
+    "left_azimuth_rad": "the left laser's direction",
+    "left_lean_rad": "the left laser's lean",
+    "left_offset_mm": "the left laser's distance from the axis",
+    "floor_slope_x": "the footboard's slope (x)",
+    "floor_slope_y": "the footboard's slope (y)",
+    "eccentricity_cos_rad": "the encoder's eccentricity",
+    "eccentricity_sin_rad": "the encoder's eccentricity",
+    "latency_s": "how late frames are stamped",
+}
 
 
 def quality_table(result: Calibrated, recording_sha256: str) -> dict[str, Any]:
@@ -99,7 +123,7 @@ def quality_lines(result: Calibrated) -> list[str]:
         f"{len(result.intake.placement_names)} placements, {len(np.unique(corners.frame))} views of the board, "
         f"{len(corners)} corners (scatter {fit.scale_px[0]:.3f} px), {len(stripes)} stripe places",
         f"Expected error in the working volume: right {errors['right']:.3f} mm, left {errors['left']:.3f} mm RMS; "
-        f"most of it from {', '.join(name for name, _ in shares)}",
+        f"most of it from {', '.join(dict.fromkeys(_IN_WORDS.get(name, name) for name, _ in shares))}",
         f"Placements never seen by the fit: corners within {worst.corner_rms_px:.3f} px RMS (worst: "
         f"{result.intake.placement_names[worst.placement]}), sheets within "
         f"{max(h.worst_sheet_mm for h in result.holdouts):.3f} mm",

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
+from footscan.calibration.board_sheet import draw_board, page_of
 from footscan.calibration.joint import Choices
 from footscan.calibration.quality import quality_lines
 from footscan.calibration.renew import PARTS
@@ -13,7 +13,7 @@ from footscan.cli.body_rig import record_body
 from footscan.cli.calibrate_rig import GuidedChoices, record_guided
 from footscan.cli.console import STDOUT, print_json, progress_bar
 from footscan.cli.rig_option import chosen_rig
-from footscan.config import Board, board_toml, load_calibration, load_calibration_record
+from footscan.config import DEFAULT_BOARD, Board, board_toml, load_calibration, load_calibration_record
 from footscan.config.toml_file import write_whole
 from footscan.errors import InputError, QualityError
 from footscan.records.data_folder import data_folder
@@ -76,6 +76,8 @@ def calibrate(
         return
     for line in [*quality_lines(result), *quality.get("paper_mode", [])]:
         STDOUT.print(line)
+    if not result.intake.board.measured:
+        STDOUT.print("Both lengths are given with --measured-x and --measured-y, also for this recording.")
     STDOUT.print(f"Calibration in {out}, its tables in {tables_path(out).name} ({sum(result.seconds.values()):.1f} s)")
     if kept is not None:
         STDOUT.print(f"In force: {in_force_path(kept, machine_name(result.calibration))}")

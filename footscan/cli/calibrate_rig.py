@@ -7,10 +7,9 @@ from pathlib import Path
 
 import typer
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.cli.console import STDERR, STDOUT
 from footscan.cli.scan import FACES, opened_rig_session
-from footscan.config import load_board
+from footscan.config import DEFAULT_BOARD, load_board
 from footscan.config.rig_file import Rig
 from footscan.errors import InterlockError, PoorFitError, QualityError
 from footscan.scanning.session.control import Session

@@ -1,6 +1,6 @@
 """Typed settings: the only place that reads TOML. Files are validated by pydantic; frozen dataclasses come out."""
 
-from footscan.config.board import Board, board_toml, load_board
+from footscan.config.board import DEFAULT_BOARD, Board, board_toml, load_board
 from footscan.config.calibration_file import (
     CalibrationRecord,
     calibration_toml,
@@ -13,6 +13,7 @@ from footscan.config.scanner_file import load_scanner, scanner_toml
 from footscan.config.toml_file import file_kind
 
 __all__ = [
+    "DEFAULT_BOARD",
     "Board",
     "CalibrationRecord",
     "RecordingInfo",

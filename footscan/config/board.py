@@ -44,6 +44,10 @@ class Board:
         return self.measured_x_mm is not None and self.measured_y_mm is not None
 
 
+DEFAULT_BOARD = Board(squares_x=7, squares_y=5, square_mm=30.0, marker_mm=22.0, dictionary="DICT_4X4_50")
+"""The board that calibration is tuned for: fits on A4, seven squares by five."""
+
+
 class BoardModel(Strict):
     """The whole file."""
 

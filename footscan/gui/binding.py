@@ -69,7 +69,7 @@ def ask(
 
     with modal:
         client.gui.add_markdown(body)
-        agree = client.gui.add_button(yes, color="red")
+        agree = client.gui.add_button(yes)  # red is STOP's alone
         refuse = client.gui.add_button(no, color="gray")
         stop = client.gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
 

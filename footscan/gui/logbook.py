@@ -22,12 +22,12 @@ class Logbook:
 
     def write(self, words: str) -> None:
         """One line, with the time. What cannot be written to the disk is still shown."""
-        line = f"{datetime.now(UTC).astimezone().isoformat(timespec='seconds')}  {' '.join(words.split())}"
+        now, words = datetime.now(UTC).astimezone(), " ".join(words.split())
         with self._lock:
-            self._lines.append(line)
+            self._lines.append(f"{now:%Y-%m-%d %H:%M:%S}  {words}")
             self.count += 1
             try:
-                self._append(line)
+                self._append(f"{now.isoformat(timespec='seconds')}  {words}")
             except OSError as err:
                 self._lines.append(f"this log cannot be written to {self._path} ({err.strerror})")
 

@@ -9,6 +9,7 @@ from typing import Any
 from footscan.gui import texts
 
 _TABLE = '<table style="width:100%;text-align:left;font-size:12.5px;border-spacing:0 1px">{rows}</table>'
+_NAMED = "vertical-align:top;text-decoration:underline dotted #999;cursor:help"
 
 
 def measurement_table(measurements: Mapping[str, Mapping[str, Any]]) -> str:
@@ -24,16 +25,22 @@ def _row(name: str, value: Mapping[str, Any], meaning: str) -> str:
     mark = "" if value["reliable"] else f'<span title="{html.escape(str(value["reason"]))}">⚠</span>'
     mark += f'<span title="{html.escape(str(value["unusual"]))}">◆</span>' if value["unusual"] else ""
     words = html.escape(name.replace("_", " "))
+    named = f'<td title="{html.escape(meaning)}" style="{_NAMED}">{words}</td>'
+    if value["value"] is None:
+        return f'<tr>{named}<td colspan="3" style="color:#666">{_why_none(value)}</td></tr>'
     return (
-        f'<tr><td title="{html.escape(meaning)}" style="text-decoration:underline dotted #999;cursor:help">{words}</td>'
-        f'<td style="white-space:nowrap">{_number(value)}</td><td style="white-space:nowrap">{span}</td>'
+        f'<tr>{named}<td style="white-space:nowrap">{_number(value)}</td><td style="white-space:nowrap">{span}</td>'
         f"<td>{mark}</td></tr>"
     )
 
 
+def _why_none(value: Mapping[str, Any]) -> str:
+    return html.escape(str(value["reason"]).replace("_", " ") or texts.MEASURE_NONE)
+
+
 def _number(value: Mapping[str, Any]) -> str:
-    unit = "" if value["unit"] == "1" else f" {value['unit']}"
-    return "-" if value["value"] is None else f"{value['value']:.1f}{unit}"
+    """With its unit; proportions are small numbers and need more places."""
+    return f"{value['value']:.3f}" if value["unit"] == "1" else f"{value['value']:.1f} {value['unit']}"
 
 
 def measurements_csv(measurements: Mapping[str, Mapping[str, Any]]) -> bytes:

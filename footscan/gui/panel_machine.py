@@ -9,7 +9,7 @@ import viser
 from footscan.gui import texts
 from footscan.gui.binding import on_press, put
 from footscan.gui.desk import Desk
-from footscan.gui.state import Job
+from footscan.gui.state import CalibrationChoice, Job
 from footscan.gui.station import Station
 from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.calibration_log import OLDEST_DAYS
@@ -18,8 +18,10 @@ _STYLE = """<style>
 .mantine-Button-root {{ min-height: 34px }}
 [id="{stop}"] {{ min-height: 50px; font-size: 19px; font-weight: 700 }}
 [data-dock-area] .mantine-ScrollArea-viewport {{ max-height: calc(100vh - {head:.0f}px) }}
+[data-dock-root] .mantine-ScrollArea-content:not(:has(.mantine-ScrollArea-content)) {{ padding-right: 10px }}
 </style>"""
-"""Targets a hand can hit, and tabs that scroll by themselves, below a head that stays; viser has neither."""
+"""Targets a hand can hit, tabs that scroll by themselves below a head that stays, and room for their scroll bars, which
+lie over them otherwise; viser has none of it."""
 _HEAD_PX, _BUTTON_PX, _JOB_PX, _BANNER_PX, _LINE_PX = 228.0, 44.0, 40.0, 34.0, 22.0
 """Height of the head at rest, and what a button, a running job, the banner of a laser and a further line add."""
 _LINE_LETTERS, _MOST_LINES = 50, 4
@@ -63,7 +65,8 @@ class MachinePanel:
     def tick(self, snapshot: Snapshot) -> None:
         """Show the machine as it is now."""
         job = self._desk.state.job
-        put(self._line, content=state_line(snapshot, self._station, job))
+        words = machine_words(snapshot, self._desk.state.calibration)
+        put(self._line, content=state_line(snapshot, self._station, job, words))
         put(self._cancel, visible=job is not None)
         put(self._reset, visible=_wrong(snapshot))
         put(self._style, content=self._styled(head_px(snapshot, job, len(self._clients()))))
@@ -83,10 +86,19 @@ def _wrong(snapshot: Snapshot) -> bool:
     return snapshot.state is State.FAULT or not snapshot.estop_ok
 
 
-def state_line(snapshot: Snapshot, station: Station, job: Job | None) -> str:
+def machine_words(snapshot: Snapshot, calibration: CalibrationChoice) -> str:
+    """What the machine says of itself, with the page's own words where the next step depends on the tab."""
+    said = snapshot.message or snapshot.state.value
+    if said == State.CONNECTED.value:
+        return texts.HOME_FIRST
+    recording = calibration.folder is not None and not calibration.recorded
+    return texts.CALIBRATE_PARKED if recording and said == State.PARKED.value else said
+
+
+def state_line(snapshot: Snapshot, station: Station, job: Job | None, words: str) -> str:
     """The machine's state as HTML; red all over while a laser shines."""
     wrong = _wrong(snapshot)
-    message = html.escape(snapshot.message or snapshot.state.value)
+    message = html.escape(words)
     head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
     free = shutil.disk_usage(station.data).free / 1e9
     facts = f"{head} · {_calibration_words(station)} · {texts.DISK_FREE.format(gigabytes=free)}"

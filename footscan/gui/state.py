@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from footscan.config.recording_file import Load, Surface
 from footscan.coordinates import LaserName, Side
+from footscan.gui.earlier import Earlier
 from footscan.gui.last_choice import LastChoice
 from footscan.gui.live_picture import Kind
 from footscan.records import Foot, Patient, Take
@@ -116,6 +118,7 @@ class PageState:
         patient: Chosen.
         takes: Of the chosen patient, the latest visit first.
         feet: What is declared of the feet today.
+        earlier: What an earlier visit says of them, and nobody has confirmed or dismissed today.
         scan: For the next scan.
         camera: Of the camera panel.
         step: Of the scan.
@@ -138,6 +141,7 @@ class PageState:
     patient: Patient | None = None
     takes: tuple[Take, ...] = ()
     feet: tuple[Foot, ...] = ()
+    earlier: Earlier = field(default_factory=Earlier)
     scan: ScanChoice = field(default_factory=ScanChoice)
     camera: CameraChoice = field(default_factory=CameraChoice)
     step: Step = "idle"
@@ -156,8 +160,11 @@ class PageState:
 
     @property
     def next_side(self) -> Side | None:
-        """Left before right, then nothing: by the takes of today's visit that are in use."""
-        today = [take for take in self.takes if self.takes and take.visit_id == self.takes[0].visit_id]
-        done = {take.said.side for take in today if take.in_use}
+        """Left before right, then nothing: by today's takes that are in use, and feet that are not scanned today."""
+        today = datetime.now(UTC).astimezone().date()
+        done = {
+            take.said.side for take in self.takes if take.in_use and take.said.recorded.astimezone().date() == today
+        }
+        done |= {foot.side for foot in self.feet if foot.facts.not_scanned}
         sides: tuple[Side, Side] = ("left", "right")
         return next((side for side in sides if side not in done), None)

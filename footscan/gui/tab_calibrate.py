@@ -2,15 +2,18 @@
 
 import html
 from collections.abc import Callable
+from datetime import datetime
 
 import viser
 
+from footscan.config import DEFAULT_BOARD
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, put, put_options
 from footscan.gui.state import CalibrationChoice, PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
 from footscan.scanning.session.states import Snapshot
+from footscan.workflow.calibration_log import machine_name
 
 
 class CalibrateTab:
@@ -20,10 +23,12 @@ class CalibrateTab:
         gui = tools.server.gui
         self._desk, self._station, self._work = tools.desk, tools.station, tools.calibration
         self._in_force = gui.add_html("")
-        self._row = gui.add_number(texts.BOARD_ROW, 0.0, min=0.0, max=25000.0, step=0.01, hint=texts.BOARD_HINT)
-        self._column = gui.add_number(texts.BOARD_COLUMN, 0.0, min=0.0, max=25000.0, step=0.01, hint=texts.BOARD_HINT)
+        gui.add_html(_box(texts.BOARD_WORDS))
+        self._row = _length(gui, texts.BOARD_ROW, DEFAULT_BOARD.squares_x)
+        self._column = _length(gui, texts.BOARD_COLUMN, DEFAULT_BOARD.squares_y)
         with gui.add_folder(texts.CALIBRATE_RECORD):
             self._advice = gui.add_html("")
+            self._print = gui.add_button(texts.BOARD_PRINT, hint=texts.BOARD_PRINT_HINT, color="gray")
             self._begin = gui.add_button(texts.CALIBRATE_BEGIN, hint=texts.CALIBRATE_BEGIN_HINT)
             self._record = gui.add_button(texts.CALIBRATE_PLACE, hint=texts.CALIBRATE_PLACE_HINT, visible=False)
             self._shown = gui.add_html("")
@@ -45,6 +50,7 @@ class CalibrateTab:
     def _bind(self) -> None:
         desk, work = self._desk, self._work
         on_press(desk, self._begin, lambda client: self._armed(client, texts.CALIBRATE_BARE, work.begin))
+        on_press(desk, self._print, self._send_board)
         on_press(desk, self._record, lambda client: self._armed(client, texts.CALIBRATE_STANDS, work.record_placement))
         on_press(desk, self._finish, lambda _: self._measured(work.finish))
         on_press(desk, self._abandon, self._ask_abandon)
@@ -58,6 +64,15 @@ class CalibrateTab:
             return
         body = f"{ready}\n\n{texts.ARM_QUESTION}"
         ask(self._desk, client, texts.ARM_TITLE, body, texts.CALIBRATE_YES, texts.ARM_NO, act)
+
+    def _send_board(self, client: viser.ClientHandle) -> None:
+        from footscan.calibration.board_sheet import draw_board
+
+        self._desk.job(
+            texts.JOB_BOARD,
+            lambda progress: draw_board(DEFAULT_BOARD),
+            lambda pdf: client.send_file_download(texts.BOARD_FILE, pdf, save_immediately=True),
+        )
 
     def _ask_abandon(self, client: viser.ClientHandle) -> None:
         ask(
@@ -104,7 +119,8 @@ class CalibrateTab:
         choice, busy, recording = state.calibration, state.job is not None, self._work.recording
         put(self._in_force, content=_box(_in_force(self._station)))
         put(self._advice, content=_box(_advice(choice, recording, self._station)))
-        put(self._shown, content=_box(_placements(choice)))
+        put(self._print, visible=not recording, disabled=busy)
+        put(self._shown, content=_box(placements_html(choice)))
         put(self._begin, visible=not recording, disabled=busy)
         put(self._record, visible=recording, disabled=busy)
         put(self._finish, visible=recording, disabled=busy or not self._work.can_finish)
@@ -117,10 +133,25 @@ class CalibrateTab:
         put(self._compute, disabled=busy or recording or names == (texts.CALIBRATE_NONE,))
 
 
+def _length(gui: viser.GuiApi, label: str, squares: int) -> viser.GuiInputHandle[float]:
+    hint = texts.BOARD_HINT.format(nominal=squares * DEFAULT_BOARD.square_mm)
+    return gui.add_number(label, 0.0, min=0.0, max=25000.0, step=0.01, hint=hint)
+
+
 def _in_force(station: Station) -> str:
     notes = "".join(f"<li>{html.escape(doubt.sentence)}</li>" for doubt in station.doubts)
-    words = f"{texts.CALIBRATE_IN_FORCE} {html.escape(station.calibration_words)}"
+    words = f"{texts.CALIBRATE_IN_FORCE} {_made(station)}"
     return f"{words}<ul style='margin:0'>{notes}</ul>" if notes else words
+
+
+def _made(station: Station) -> str:
+    """Of which machine it is and when it was made; where it lies is shown on hover."""
+    calibration, where = station.calibration, html.escape(station.calibration_words)
+    if calibration is None or station.calibration_days() is None:
+        return where
+    made = datetime.fromisoformat(calibration.created).astimezone().strftime("%Y-%m-%d %H:%M")
+    words = texts.CALIBRATE_MADE.format(machine=html.escape(machine_name(calibration)), day=made)
+    return f'<span title="{where}">{words}</span>'
 
 
 def _advice(choice: CalibrationChoice, recording: bool, station: Station) -> str:
@@ -131,11 +162,13 @@ def _advice(choice: CalibrationChoice, recording: bool, station: Station) -> str
     return f"{texts.CALIBRATE_ADVICE.format(number=number + 1, placed=html.escape(choice.advice))}{simulated}"
 
 
-def _placements(choice: CalibrationChoice) -> str:
+def placements_html(choice: CalibrationChoice) -> str:
+    """What each placement showed, and whether it is enough while that still is a question."""
     lines = "".join(f"<li>{html.escape(report.sentence())}</li>" for report in choice.placements)
     expected = f"<b>{html.escape(choice.expected)}</b>" if choice.expected else ""
-    enough = f"<br>{texts.CALIBRATE_ENOUGH}" if choice.enough else ""
-    return f"<ul style='margin:0;padding-left:1.2em'>{lines}</ul>{expected}{enough}" if lines else ""
+    enough = f"<br>{texts.CALIBRATE_ENOUGH}" if choice.enough and not choice.recorded else ""
+    head = texts.CALIBRATE_RECORDED if choice.recorded else ""
+    return f"{head}<ul style='margin:0;padding-left:1.2em'>{lines}</ul>{expected}{enough}" if lines else ""
 
 
 def _result(choice: CalibrationChoice) -> str:

@@ -8,6 +8,7 @@ from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.corrections import Corrections
 from footscan.gui.declared import Declared
+from footscan.gui.proposed import Proposed
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.gui.visit import chosen_from, facts_words, patient_words
@@ -25,6 +26,7 @@ class PatientTab:
         self._desk, self._work = desk, work
         self._operator = gui.add_text(texts.OPERATOR, "", hint=texts.OPERATOR_HINT)
         self._chosen = gui.add_html("")
+        self._proposed = Proposed(tools)
         self._typed = gui.add_text(texts.FIND, "", hint=texts.FIND_HINT)
         self._found = gui.add_dropdown(texts.FOUND, (texts.NOBODY_FOUND,))
         self._choose = gui.add_button(texts.CHOOSE, icon=viser.Icon.USER_CHECK)
@@ -48,6 +50,7 @@ class PatientTab:
         put_options(self._found, options, kept)
         put(self._choose, disabled=not state.found or state.job is not None)
         put(self._chosen, content=_box(_patient_html(state.patient)))
+        self._proposed.show(state)
         self._declared.show(state)
         self._corrections.show(state)
         special = "".join(

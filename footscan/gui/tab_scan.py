@@ -123,7 +123,8 @@ def _head(state: PageState) -> str:
         return f"<b>{texts.NO_PATIENT_SCAN}</b>"
     side = state.next_side
     following = texts.BOTH_DONE if side is None else texts.NEXT_FOOT.format(side=texts.SIDES[side])
-    return f"{texts.FOR_PATIENT.format(name=html.escape(state.patient.name))}<br>{following} {texts.PLACEMENT_HINT}"
+    words = f"{texts.FOR_PATIENT.format(name=html.escape(state.patient.name))}<br>{following} {texts.PLACEMENT_HINT}"
+    return f'{words}<br><b style="color:#a85b00">{texts.EARLIER_OPEN}</b>' if state.earlier else words
 
 
 def _note(state: PageState) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import viser
 
+from footscan.errors import QualityError
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, put
 from footscan.gui.desk import Progress
@@ -21,10 +22,12 @@ from footscan.workflow.designs import builtin_config
 
 if TYPE_CHECKING:
     from footscan.devices.diagnosis import Finding as Examined
+    from footscan.workflow.drill import Drill
     from footscan.workflow.drill_result import DrillResult
 
 _LINES = 60
 _KILLS = 10
+_NOT_BROKEN_S = -1.0
 _GRADES = {"good": ("✔", "#176b2c"), "remark": ("●", "#a85b00"), "trouble": ("✖", "#c81e1e")}
 
 
@@ -71,6 +74,7 @@ class SystemTab:
         if not self._station.simulated:
             self._desk.say(texts.FAILED, texts.DRILL_REAL, wrong=True)
             return
+        self._desk.change(drilled=())
         self._desk.job(texts.JOB_DRILL, self._break, lambda results: self._desk.change(drilled=results))
 
     def _break(self, progress: Progress) -> tuple[DrillResult, ...]:
@@ -78,12 +82,13 @@ class SystemTab:
         from footscan.workflow.drill import cases_of
 
         cases = cases_of(self._station.rig)
+        results: tuple[DrillResult, ...] = ()
         with tempfile.TemporaryDirectory(prefix="footscan-drill-") as folder:
-            results: list[DrillResult] = []
-            for result in app.build_drill(self._station.rig, 0, Path(folder)).run(cases):
-                results.append(result)
+            for result in drill_on(app.build_drill(self._station.rig, 0, Path(folder)), cases):
+                results = (*results, result)
+                self._desk.post(lambda shown=results: self._desk.change(drilled=shown))  # stays when it is cancelled
                 progress(len(results), len(cases))
-        return tuple(results)
+        return results
 
     def _drill_records(self) -> None:
         def work(progress: Progress) -> str:
@@ -101,8 +106,8 @@ class SystemTab:
         for button in (self._examine, self._drill, self._kill):
             put(button, disabled=busy)
         put(self._facts, content=_table(device_facts(self._station)))
-        put(self._found, content=_box("".join(_examined(found) for found in state.examined)))
-        put(self._drilled, content=_box(_drill_table(state.drilled)))
+        put(self._found, content=_box("".join(examined_html(found) for found in state.examined)))
+        put(self._drilled, content=_box(drill_table(state.drilled)))
         put(self._killed, content=_box(html.escape(state.records_drill)))
 
     def tick(self, snapshot: Snapshot) -> None:
@@ -137,22 +142,46 @@ def _table(facts: Iterator[tuple[str, str]]) -> str:
     return f'<table style="font-size:13px;padding:0 1em">{rows}</table>'
 
 
-def _examined(found: Examined) -> str:
+def examined_html(found: Examined) -> str:
+    """How one device is, in words."""
     mark, colour = _GRADES[found.grade]
-    words = f"<b>{html.escape(found.device)}</b>: {html.escape(found.sentence)}"
+    device = texts.EXAMINED.get(found.device, found.device)
+    words = f"<b>{html.escape(device)}</b>: {html.escape(found.sentence)}"
     return f'<div><span style="color:{colour}">{mark}</span> {words}</div>'
 
 
-def _drill_table(results: tuple[DrillResult, ...]) -> str:
+def drill_on(drill: Drill, cases: tuple[str, ...]) -> Iterator[DrillResult]:
+    """All cases; one that could not be broken is told in its place, and the drill goes on behind it."""
+    from footscan.workflow.drill_result import DrillResult
+
+    done = 0
+    while done < len(cases):
+        try:
+            for result in drill.run(cases[done:]):
+                done += 1
+                yield result
+        except QualityError as err:
+            yield DrillResult(cases[done], _NOT_BROKEN_S, str(err), None, None, 0, 0)
+            done += 1
+
+
+def drill_table(results: tuple[DrillResult, ...]) -> str:
+    """How long the outputs stayed on after each fault; what did not go well is told in words."""
     if not results:
         return ""
-    rows = "".join(
-        f'<tr><td title="{html.escape(result.told)}">{html.escape(result.case)}</td>'
-        f"<td>{result.off_after_s:.3f} s</td><td>{result.target_s:g} s</td>"
-        f'<td style="color:{_GRADES["good" if result.well else "trouble"][1]}">{"✔" if result.well else "✖"}</td></tr>'
-        for result in results
-    )
+    rows = "".join(_drill_rows(result) for result in results)
     return f'<table style="width:100%;text-align:left;font-size:12.5px">{texts.DRILL_HEAD}{rows}</table>'
+
+
+def _drill_rows(result: DrillResult) -> str:
+    mark, colour = _GRADES["good" if result.well else "trouble"]
+    told = html.escape(result.told)
+    off = texts.DRILL_NOT_BROKEN if result.off_after_s < 0.0 else f"{result.off_after_s:.3f} s"
+    row = (
+        f'<tr><td title="{told}">{html.escape(result.case)}</td><td>{off}</td><td>{result.target_s:g} s</td>'
+        f'<td style="color:{colour}">{mark}</td></tr>'
+    )
+    return row if result.well else f'{row}<tr><td colspan="4" style="color:{colour}">{told}</td></tr>'
 
 
 def _box(content: str) -> str:

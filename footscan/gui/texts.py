@@ -89,6 +89,13 @@ NAMESAKE_NO = "Same person: do not enter"
 NO_OPERATOR = "Type your name as operator first; it is kept with every scan."
 VISITS_HEAD = "<tr><th>Take</th><th>Day</th><th>Foot</th><th>Load</th><th>Verdict</th><th></th></tr>"
 IN_USE = "in use"
+EARLIER_TITLE = "Said at an earlier visit. Does it hold today?"
+EARLIER_SCANNED = "scanned {how}"
+EARLIER_HOLDS, EARLIER_NOT = "It holds today", "It does not hold"
+EARLIER_HOLDS_HINT = "Declared for today with your name; load and skin are chosen for the next scan"
+EARLIER_NOT_HINT = "Nothing is declared; say below what is different today"
+EARLIER_OPEN = "Said at an earlier visit and not confirmed for today: look at the Patient tab."
+EARLIER_DONE = "Confirmed for today"
 DECLARE = "What is special about a foot today"
 DECLARE_PARTS = {
     "toe_1": "Big toe is missing",
@@ -126,7 +133,7 @@ CORRECTED, CORRECTED_WORDS = "Put right", "Take {take} is now filed as the {side
 # Scan
 FOR_PATIENT = "Scan for <b>{name}</b>"
 NEXT_FOOT = "Next: the {side} foot."
-BOTH_DONE = "Both feet are accepted. Repeat one, or take the next patient."
+BOTH_DONE = "Both feet are done for today. Repeat one, or take the next patient."
 NO_PATIENT_SCAN = "Choose a patient in the Patient tab first."
 SIDE, LOAD, SURFACE, PROFILE = "Foot", "Load", "Skin", "Density"
 SIDE_HINT = "Which foot stands on the board"
@@ -224,6 +231,7 @@ DOWNLOAD_TABLE = "Table"
 DOWNLOAD_NAMES = {"STL": "surface.stl", "PLY": "surface.ply", "JSON": "measurements.json",
                   DOWNLOAD_TABLE: "measurements.csv", "Sections": "sections.csv", "Picture": "report.png"}  # fmt: skip
 MEASURE_HEAD = "<tr><th>What</th><th>Value</th><th>Interval</th><th></th></tr>"
+MEASURE_NONE = "could not be measured"
 MEASURE_MARKS = "⚠ not reliable, ◆ unusual: point at the mark for the reason, at a name for its definition."
 LEGEND_ORIGIN = (
     '<span style="color:#e0a080">■</span> seen &nbsp; <span style="color:#e8c020">■</span> bridged '
@@ -236,9 +244,10 @@ LEGEND_RESIDUAL = (
 
 # Calibrate
 CALIBRATE_IN_FORCE = "<b>In force:</b>"
+CALIBRATE_MADE = "calibration of {machine}, made {day}"
 CALIBRATE_RECORD = "Record the calibration board"
 CALIBRATE_INTRO = (
-    "Clear the footboard: nothing may stand on it. Have the printed board at hand (footscan board prints it). "
+    "Clear the footboard: nothing may stand on it. Have the printed board at hand. "
     "The head then looks at the bare footboard and at four or more placements of the board."
 )
 CALIBRATE_BEGIN = "1  The footboard is bare: begin"
@@ -251,11 +260,20 @@ CALIBRATE_PLACE_HINT = "The head stops all around the board; the first board is 
 CALIBRATE_STANDS = "The board stands where the advice says and does not move."
 CALIBRATE_YES = "Yes, go"
 CALIBRATE_FINISH = "3  Enough: compute"
+CALIBRATE_PARKED = "the head is parked, motor and lasers are off: place the board"
+CALIBRATE_RECORDED = "<b>What was recorded last:</b>"
 CALIBRATE_FINISH_HINT = "From four good placements on; the calibration in force stays until you accept the new one"
 CALIBRATE_ENOUGH = "That is enough: compute now, or add another placement."
+BOARD_PRINT = "Print the board (PDF)"
+BOARD_PRINT_HINT = "On A4 landscape at 100 %, no fitting to the page; glue it on a stiff flat plate"
+BOARD_FILE = "calibration-board.pdf"
+BOARD_WORDS = "The board by calliper over all squares, without the white border. <b>Every length rests on it.</b>"
+BOARD_AFTERWARDS = (
+    "The lengths go into the fields {row} and {column} at the top of this tab; then compute again from this recording."
+)
 BOARD_ROW, BOARD_COLUMN = "Board along a row (mm)", "Board along a column (mm)"
 BOARD_HINT = (
-    "Length of the print over all squares, without the white border, by calliper; 0 when it was not measured. "
+    "Nominally {nominal:g} mm; enter what the calliper says, 0 when it was not measured. "
     "Without both lengths the scale is not verified."
 )
 BOARD_BOTH = "One length of the board was given: measure along a row and along a column, or leave both at 0."
@@ -285,6 +303,7 @@ DEVICES = "Devices"
 LOG = "Log"
 EXAMINE = "Examine all devices"
 EXAMINE_HINT = "Looks at camera, encoder, outputs, disk and calibration, and says in words what is wrong"
+EXAMINED = {"io": "outputs"}
 EXAMINE_SURE = "The machine is closed for it and opened again; the head must find its home again afterwards."
 DRILL = "Drill"
 DRILL_WORDS = "Breaks a simulated copy of this machine in every known way, in a folder of its own."
@@ -296,6 +315,7 @@ DRILL_RECORDS_HINT = "Looks whether anything that was acknowledged is gone"
 DRILL_RECORDS_DONE = "{kills} kills, {acknowledged} acknowledged calls:"
 DRILL_NO_PROBLEMS = "nothing is lost."
 DRILL_HEAD = "<tr><th>Broken</th><th>Off after</th><th>At most</th><th></th></tr>"
+DRILL_NOT_BROKEN = "not tried"
 FACT_RIG_BUILT_IN = "the simulated machine that comes with footscan"
 FACT_MACHINE, FACT_RIG, FACT_CAMERA, FACT_ENCODER = "Machine", "Rig file", "Camera", "Encoder"
 FACT_OUTPUTS, FACT_CALIBRATION, FACT_DATA = "Outputs", "Calibration", "Data folder"
@@ -318,6 +338,8 @@ JOB_PLACEMENT, JOB_JUDGE, JOB_CLOSE = (
 )
 JOB_DECLARE = "Declaring, and measuring again what it changes"
 JOB_CORRECT = "Measuring again"
+JOB_BOARD = "Drawing the board"
+HOME_FIRST = "connected: Check (Scan tab) lets the head find its home"
 JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining", "Drill"
 
 # Last

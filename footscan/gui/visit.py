@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import TYPE_CHECKING
 
 from footscan.coordinates import Side
 from footscan.errors import DuplicatePatientError, FootscanError
 from footscan.gui import texts
 from footscan.gui.desk import Desk, Progress
-from footscan.gui.state import PageState
+from footscan.gui.earlier import Earlier, find_earlier
+from footscan.gui.state import PageState, ScanChoice
 from footscan.gui.station import Station
 from footscan.records import Correction, Foot, FootFacts, NewPatient, Patient, Take
 from footscan.records.spelling import born_from_text
@@ -26,6 +27,7 @@ class PatientWork:
 
     def __init__(self, desk: Desk, station: Station) -> None:
         self._desk, self._station = desk, station
+        self._dismissed: set[tuple[int, date]] = set()
 
     def set_operator(self, name: str) -> None:
         """Who works here."""
@@ -48,18 +50,21 @@ class PatientWork:
         patient = self._station.store.patient(patient_id)
         takes = takes_of(self._station, patient_id)
         in_use = next((take.id for take in takes if take.in_use), takes[0].id if takes else None)
-        changed = replace(state, patient=patient, takes=takes)
+        feet = feet_today(self._station, patient_id)
+        changed = replace(state, patient=patient, takes=takes, feet=feet)
+        scan = ScanChoice(changed.next_side or "left", profile=state.scan.profile)  # not the load of somebody else
         self._desk.change(
             patient=patient,
             takes=takes,
-            feet=feet_today(self._station, patient_id),
+            feet=feet,
             kept=kept_scans(self._station),
             step="idle",
             findings=(),
             take=None,
             report=None,
             note="",
-            scan=replace(state.scan, side=changed.next_side or "left"),
+            scan=scan,
+            earlier=self._earlier(patient_id, scan),
             inspect=replace(state.inspect, take_id=in_use),
         )
 
@@ -132,12 +137,58 @@ class PatientWork:
 
         self._desk.job(texts.JOB_DECLARE, work, done, failed)
 
-    def refresh(self) -> None:
-        """Read the chosen patient's takes again."""
+    def confirm_earlier(self) -> None:
+        """What an earlier visit says of the feet holds today as well: declare it, and choose load and skin so."""
+        state, store = self._desk.state, self._station.store
+        if state.patient is None or not state.operator:
+            self._desk.say(texts.FAILED, texts.NO_OPERATOR if state.patient else texts.PATIENT_NONE, wrong=True)
+            return
+        patient, by, earlier = state.patient, state.operator, state.earlier
+
+        def work(progress: Progress) -> None:
+            from footscan.workflow.visit import declare_foot
+
+            visit = store.open_visit(patient.id, by)
+            for foot in earlier.feet:
+                declare_foot(store, visit.id, foot.side, foot.facts, by, progress)
+
+        def done(_: None) -> None:
+            scan = self._desk.state.scan
+            load, surface = earlier.load or scan.load, earlier.surface or scan.surface
+            self._desk.change(scan=replace(scan, load=load, surface=surface), step="idle", findings=())
+            self._dismissed.add((patient.id, _today()))
+            self.refresh()
+            self._desk.say(texts.EARLIER_DONE, "")
+
+        def failed(err: FootscanError) -> None:
+            self.refresh()  # what was declared stands although a take could not be measured again
+            self._desk.say(texts.FAILED, str(err), wrong=True)
+
+        self._desk.job(texts.JOB_DECLARE, work, done, failed)
+
+    def dismiss_earlier(self) -> None:
+        """It does not hold: ask no more today."""
         patient = self._desk.state.patient
         if patient is not None:
-            feet = feet_today(self._station, patient.id)
-            self._desk.change(takes=takes_of(self._station, patient.id), feet=feet)
+            self._dismissed.add((patient.id, _today()))
+        self._desk.change(earlier=Earlier())
+
+    def _earlier(self, patient_id: int, scan: ScanChoice) -> Earlier:
+        today = _today()
+        if (patient_id, today) in self._dismissed:
+            return Earlier()
+        return find_earlier(self._station.store, patient_id, today, scan.load, scan.surface)
+
+    def refresh(self) -> None:
+        """Read the chosen patient's takes again."""
+        state = self._desk.state
+        if state.patient is not None:
+            number = state.patient.id
+            self._desk.change(
+                takes=takes_of(self._station, number),
+                feet=feet_today(self._station, number),
+                earlier=self._earlier(number, state.scan),
+            )
 
 
 def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
@@ -146,9 +197,13 @@ def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:
     return tuple(take for visit in visits for take in sorted(station.store.takes(visit.id), key=lambda t: -t.id))
 
 
+def _today() -> date:
+    return datetime.now(UTC).astimezone().date()
+
+
 def feet_today(station: Station, patient_id: int) -> tuple[Foot, ...]:
     """Feet of which something was said today."""
-    today = datetime.now(UTC).astimezone().date()
+    today = _today()
     visit = next((visit for visit in station.store.visits(patient_id) if visit.day == today), None)
     return () if visit is None else tuple(station.store.feet(visit.id))
 

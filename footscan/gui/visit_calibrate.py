@@ -52,7 +52,7 @@ class CalibrationWork:
 
     def begin(self) -> None:
         """The footboard is bare and nobody's face is near: open a recording and look at the board."""
-        from footscan.calibration.board_sheet import DEFAULT_BOARD
+        from footscan.config import DEFAULT_BOARD
         from footscan.workflow.guided_calibration import GuidedCalibration
 
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
@@ -144,10 +144,11 @@ class CalibrationWork:
         def work(progress: Progress) -> tuple[str, ...]:
             self._begin_history(out)
             try:
-                return tuple(quality_lines(run_calibration(folder, out, CalibrateSettings(measured_mm), progress)))
+                made = run_calibration(folder, out, CalibrateSettings(measured_mm), progress)
             except BaseException:
                 out.unlink(missing_ok=True)  # what lies there is a copy of the one in force
                 raise
+            return (*quality_lines(made), *([] if made.intake.board.measured else [lengths_afterwards()]))
 
         def refused(err: FootscanError) -> None:
             self._change(replace(self._choice, made=None, lines=(texts.CALIBRATE_REFUSED.format(why=err),)))
@@ -231,3 +232,8 @@ class CalibrationWork:
 
     def _change(self, choice: CalibrationChoice) -> None:
         self._desk.change(calibration=choice)
+
+
+def lengths_afterwards() -> str:
+    """Where lengths of the board go that nobody gave."""
+    return texts.BOARD_AFTERWARDS.format(row=texts.BOARD_ROW, column=texts.BOARD_COLUMN)

@@ -110,11 +110,11 @@ def _measured(recording: Recording, measured_mm: tuple[float, float] | None) -> 
         return None
     x, y = measured_mm
     board = recording.board
-    for axis, length, squares in (("x", x, board.squares_x), ("y", y, board.squares_y)):
+    for along, length, squares in (("row", x, board.squares_x), ("column", y, board.squares_y)):
         nominal = squares * board.square_mm
         if not 0.9 < length / nominal < 1.1:
             raise InputError(
-                f"--measured-{axis} is {length:g} mm, {squares} squares of {board.square_mm:g} mm make {nominal:g} mm; "
-                "measure over all squares, without the white border."
+                f"the length along a {along} is {length:g} mm, {squares} squares of {board.square_mm:g} mm make "
+                f"{nominal:g} mm; measure over all squares, without the white border."
             )
     return replace(board, measured_x_mm=x, measured_y_mm=y)

@@ -80,9 +80,9 @@ class Drill:
             yield self._case(case, random, self.folder / case.replace(" ", "-"))
 
     def _case(self, case: str, random: np.random.Generator, folder: Path) -> DrillResult:
-        """Emulators need real time: what a busy computer broke before the drill did is told and begun again."""
+        """Emulators and signals need real time: what a busy computer broke before the drill did is begun again."""
         error: FootscanError | None = None
-        for spoiled in range(_ATTEMPTS if self.rig.devices.emulated else 1):
+        for spoiled in range(_ATTEMPTS if self.rig.devices.emulated or case in SIGNALS else 1):
             place = folder / str(spoiled)
             place.mkdir(parents=True)
             try:

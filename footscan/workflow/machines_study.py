@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.calibration.calibrate import Calibrated, calibrate_intake, calibrate_recording
 from footscan.calibration.charuco import BoardFinder
 from footscan.calibration.synthetic import SyntheticPlan, make_intake
 from footscan.calibration.uncertainty import expected_error_mm, machine_difference_mm
+from footscan.config import DEFAULT_BOARD
 from footscan.coordinates import LaserName
 from footscan.errors import FootscanError
 from footscan.optics.calibration import Calibration

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.calibration.calibrate import Calibrated, Options, calibrate_intake
 from footscan.calibration.estimate import sheet_from_angles
 from footscan.calibration.intake import Intake, take_in
@@ -15,7 +14,7 @@ from footscan.calibration.joint import USUAL, Choices
 from footscan.calibration.sightings import StripePoints
 from footscan.calibration.stripes import find_stripes
 from footscan.calibration.synthetic import Synthetic, SyntheticPlan, make_sightings
-from footscan.config import load_calibration
+from footscan.config import DEFAULT_BOARD, load_calibration
 from footscan.geometry.plane import Plane
 from footscan.optics import Calibration, Pose
 from footscan.scanning.recording import open_recording

@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD, draw_board, page_of
+from footscan.calibration.board_sheet import draw_board, page_of
 from footscan.calibration.charuco import BoardFinder, corners_mm, dictionary_number, half_size_mm, why_not_found
 from footscan.calibration.saddle import refine_corners
+from footscan.config import DEFAULT_BOARD
 from footscan.coordinates import Floats, Frame
 from footscan.errors import ConfigError, InputError
 

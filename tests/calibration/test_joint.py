@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.calibration.estimate import LENS, MACHINE_MOVES, POSE, SHAPE, moved_boards, moved_machine
 from footscan.calibration.joint import consensus_sheet, lowered
 from footscan.calibration.misfit import corner_misfit_px, head_angles, stripe_misfit_mm
@@ -14,6 +13,7 @@ from footscan.calibration.solve import fit_estimate
 from footscan.calibration.synthetic import Synthetic, SyntheticPlan, make_sightings
 from footscan.calibration.uncertainty import covariance, expected_error_mm, machine_difference_mm
 from footscan.calibration.unknowns import EVERYTHING, Unknowns
+from footscan.config import DEFAULT_BOARD
 from footscan.optics import Calibration
 from footscan.optics.calibration import theta_from_encoder
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.calibration.calibrate import calibrate_recording
 from footscan.calibration.estimate import start_estimate
 from footscan.calibration.solve import Fit, fit_estimate
 from footscan.calibration.synthetic import SyntheticPlan, make_sightings
 from footscan.calibration.uncertainty import expected_error_mm, machine_difference_mm
 from footscan.calibration.unknowns import EVERYTHING
+from footscan.config import DEFAULT_BOARD
 from footscan.errors import PoorFitError
 from footscan.optics import Calibration
 from footscan.optics.scanner import Scanner, calibration_from_design

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
 from footscan.calibration.calibrate import calibrate_intake
 from footscan.calibration.joint import JointFit
 from footscan.calibration.paper_mode import compare_with_paper, upright
 from footscan.calibration.synthetic import SyntheticPlan, make_intake
+from footscan.config import DEFAULT_BOARD
 from footscan.optics import Calibration
 from footscan.optics.scanner import Scanner
 

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stdout
 from io import StringIO
 from typing import Any
@@ -105,12 +106,13 @@ def test_a_crafted_message_changes_nothing_and_is_reported(server: viser.ViserSe
     refused: list[tuple[int, str]] = []
     guard(server.gui, lambda client, uuid: client == 1, lambda client, why: refused.append((client, why)))
     slider = handles["slider"]
+    alone = ThreadPoolExecutor(1)
 
     def send(client: int, value: Any) -> None:
         message = _messages.GuiUpdateMessage(slider._impl.uuid, {"value": value})
         handlers = server.gui._websock_interface._incoming_handlers[_messages.GuiUpdateMessage]
-        for handler in handlers:
-            asyncio.run(handler(client, message))
+        for handler in handlers:  # in a thread: Playwright's loop runs in this one while a browser test is under way
+            alone.submit(lambda handler=handler: asyncio.run(handler(client, message))).result()
 
     send(1, 999)
     send(2, 100)

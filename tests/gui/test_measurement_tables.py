@@ -16,7 +16,8 @@ def _value(value: float | None, *, reliable: bool = True, reason: str = "", unus
 
 MEASURED = {
     "foot_length": _value(251.25),
-    "ball_girth": _value(None, reliable=False, reason='runs on "unseen" <skin>', unusual="wide & high"),
+    "ball_girth": _value(231.5, reliable=False, reason='runs on "unseen" <skin>', unusual="wide & high"),
+    "toe_1_angle": _value(None, reliable=False, reason="not applicable: toe_1 is <absent>"),
 }
 
 
@@ -30,6 +31,19 @@ def test_what_is_not_reliable_or_unusual_is_marked_with_its_reason() -> None:
     assert "wide &amp; high" in second
 
 
+def test_what_has_no_value_says_why_in_words_and_not_on_hover_alone() -> None:
+    row = measurement_table(MEASURED).split("<tr>")[4].split("</tr>")[0]
+
+    assert ">not applicable: toe 1 is &lt;absent&gt;</td>" in row
+    assert "<td>-" not in row and "⚠" not in row
+
+
+def test_a_proportion_is_shown_with_three_places_and_no_unit() -> None:
+    index = _value(0.3148) | {"unit": "1", "interval": None}
+
+    assert ">0.315<" in measurement_table({"height_index": index})
+
+
 def test_every_name_carries_its_definition() -> None:
     assert 'title=""' not in measurement_table(MEASURED)
 
@@ -39,7 +53,8 @@ def test_the_csv_holds_every_value_in_full() -> None:
 
     assert [row["name"] for row in rows] == list(MEASURED)
     assert (rows[0]["value"], rows[0]["from"], rows[0]["reliable"]) == ("251.25", "250.25", "True")
-    assert (rows[1]["value"], rows[1]["reason"]) == ("", 'runs on "unseen" <skin>')
+    assert (rows[1]["value"], rows[1]["reason"]) == ("231.5", 'runs on "unseen" <skin>')
+    assert (rows[2]["value"], rows[2]["reason"]) == ("", "not applicable: toe_1 is <absent>")
 
 
 def test_the_price_of_smoothing_is_stated_with_units() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from footscan import app
-from footscan.calibration.board_sheet import DEFAULT_BOARD
+from footscan.config import DEFAULT_BOARD
 from footscan.errors import InputError, PoorFitError
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.control import Session

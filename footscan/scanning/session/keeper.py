@@ -201,7 +201,7 @@ class Keeper:
         if laser == "none" and not recording.unlit_wanted:
             self._reject("laser off")
             return
-        if laser != "none" and self._live is not None:
+        if laser != "none" and sweep != "static" and self._live is not None:  # stops look at boards, not at a foot
             self._live.offer(frame, laser)
         for picked in self._picked(recording, _Named(frame, laser, sweep)):
             self._write(recording, picked)

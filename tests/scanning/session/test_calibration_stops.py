@@ -3,8 +3,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from footscan.calibration.board_sheet import DEFAULT_BOARD
-from footscan.config import board_toml
+from footscan.config import DEFAULT_BOARD, board_toml
 from footscan.config.recording_file import RecordingInfo
 from footscan.errors import InterlockError, RecordingError
 from footscan.scanning.recording import open_recording
