@@ -54,5 +54,6 @@ def _row(outcome: StudyOutcome) -> str:
     return (
         f"{head} lack {proof.worst_violation_mm:7.3f} of {proof.samples}, out {custom.displacement_mm.max():5.1f} mm "
         f"({custom.overshoot_mm:.1f} more than asked near), "
-        f"bottom +{custom.widening_mm:.1f} mm, {custom.rounds} rounds{mark}"
+        f"bottom +{custom.widening_mm:.1f} mm, {custom.rounds} rounds, moved beyond {custom.outside_mm:.4f} mm, "
+        f"curvature step {custom.smoothness.curvature_step_per_mm2[1]:.2f} per mm2{mark}"
     )

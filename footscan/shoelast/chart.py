@@ -16,13 +16,16 @@ from scipy.interpolate import BSpline
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.nurbs import DEGREE, SplineTube, greville
 from footscan.foot.nurbs_fit import bases_at
-from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, fill_rows
+from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, average_normals, fill_rows
 from footscan.shoelast.follow_loop import follow
 from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.model import Shoelast
 
 LEVEL_BELOW_MM = 14.0
 """Up to this height above the feather edge the directions go over from level (in the bottom) to the skin's normal."""
+STEADY_MM = 12.0
+"""Normals are averaged over this reach. Along the bare normals of a hollow of radius r a displacement by d is bent
+d / (r - d) times as much again: small waves of a last would turn into creases."""
 Sparse = Any
 
 
@@ -60,8 +63,10 @@ def build_chart(shoelast: Shoelast) -> Chart:
     """The chart of a last: level and outward at the feather edge, the skin's normal from some height on."""
     tube = shoelast.upper
     u, v = _greville_round(tube.count_u), greville(tube.knots_v)
-    normal = unit_normals(tube, u, v)
-    height = tube.grid(u, v)[..., 2] - tube.grid(u, np.array([0.0]))[..., 2]
+    xyz, normal = tube.grid(u, v), np.empty((len(v), len(u), 3))
+    across = np.cross(tube.grid(u, v, order_v=1), tube.grid(u, v, order_u=1)) * np.gradient(v)[:, None, None]
+    average_normals(xyz, across, STEADY_MM, normal)
+    height = xyz[..., 2] - tube.grid(u, np.array([0.0]))[..., 2]
     flat = 1.0 - smooth_step(height / LEVEL_BELOW_MM)
     along = tube.grid(u, np.array([0.0]), order_u=1)[0]
     outward = np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(along))])

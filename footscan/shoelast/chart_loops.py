@@ -7,6 +7,8 @@ from footscan.coordinates import Floats, Ints
 
 REACH = 3
 WIDE = 2 * REACH + 1
+AROUND = (14, 9)
+"""Rows and columns to either side that an average of normals looks at."""
 
 
 @compiled
@@ -119,3 +121,30 @@ def fill_rows(
             for j in range(4):
                 column[k, 4 * i + j] = (first_v[k] + j) * columns_u + (first_u[k] + i) % columns_u
                 value[k, 4 * i + j] = basis_u[k, i] * basis_v[k, j]
+
+
+@compiled
+def average_normals(xyz: Floats, across: Floats, reach_mm: float, normal: Floats) -> None:
+    """Write unit normals `(k, m, 3)`, averaged with weights (1 - (r / reach)^2)^2 of straight distance and area.
+
+    Args:
+        xyz: `(k, m, 3)` a grid of places, periodic along m.
+        across: `(k, m, 3)` normals there, as long as the area that a place stands for.
+        reach_mm: Where the weight ends.
+        normal: Result.
+    """
+    rows, columns = xyz.shape[0], xyz.shape[1]
+    for j in range(rows):
+        for i in range(columns):
+            x = y = z = 0.0
+            for dj in range(-min(AROUND[0], j), min(AROUND[0], rows - 1 - j) + 1):
+                for di in range(-AROUND[1], AROUND[1] + 1):
+                    q, p = j + dj, (i + di) % columns
+                    r2 = 0.0
+                    for axis in range(3):
+                        r2 += (xyz[q, p, axis] - xyz[j, i, axis]) ** 2
+                    w = 1.0 - r2 / (reach_mm * reach_mm)
+                    if w > 0.0:
+                        x, y, z = x + w * w * across[q, p, 0], y + w * w * across[q, p, 1], z + w * w * across[q, p, 2]
+            size = max(np.sqrt(x * x + y * y + z * z), 1e-12)
+            normal[j, i, 0], normal[j, i, 1], normal[j, i, 2] = x / size, y / size, z / size

@@ -10,7 +10,7 @@ from scipy.sparse import linalg as splinalg
 
 from footscan.coordinates import Floats
 from footscan.foot.nurbs import DEGREE, SplineTube
-from footscan.shoelast.chart import Chart, Sparse, greville_places
+from footscan.shoelast.chart import Chart, Sparse, bending_matrix, greville_places
 from footscan.shoelast.custom_last import Held, Smoothness
 from footscan.shoelast.dimensions import Dimension, with_dimensions
 from footscan.shoelast.model import Shoelast
@@ -55,6 +55,19 @@ def measure_last(shoelast: Shoelast) -> Measured:
     curvature = curvature_per_mm(shoelast.upper)
     step = _largest_step(shoelast.upper, curvature)
     return Measured(found, dims, curvature, step, feather_angle_deg(shoelast))
+
+
+@dataclass(frozen=True)
+class Standard:
+    """The last that is customised: as measured, and the bending energy of displacements of it."""
+
+    measured: Measured
+    bending: Sparse
+
+
+def measure_standard(shoelast: Shoelast) -> Standard:
+    """Measure the last that is customised."""
+    return Standard(measure_last(shoelast), bending_matrix(shoelast.upper))
 
 
 def find_dimensions(before: Measured, after: Measured) -> Dims:
@@ -109,9 +122,9 @@ def _most_apart(a: Floats, b: Floats) -> float:
     return float(np.linalg.norm(a - b, axis=-1).max())
 
 
-def find_smoothness(energy: Sparse, coefficients: Floats, before: Measured, after: Measured) -> Smoothness:
+def find_smoothness(standard: Standard, coefficients: Floats, after: Measured) -> Smoothness:
     """Energy, curvatures and the feather edge's angle."""
-    flat = coefficients.ravel()
+    flat, before, energy = coefficients.ravel(), standard.measured, standard.bending
     edge = (before.feather_deg, after.feather_deg)
     return Smoothness(
         energy=float(flat @ (energy @ flat)),

@@ -11,7 +11,7 @@ from footscan.geometry.nearest import PointTree
 from footscan.shoelast.chord import chord_error
 from footscan.shoelast.custom_last import CustomLast, Smoothing
 from footscan.shoelast.custom_report import (
-    Measured,
+    Standard,
     find_dimensions,
     find_held,
     find_smoothness,
@@ -67,7 +67,7 @@ class Search:
 
 
 def custom_last(
-    case: FitCase, registration: Registration, state: Displaced, signed_mm: Floats, search: Search, before: Measured
+    case: FitCase, registration: Registration, state: Displaced, signed_mm: Floats, search: Search, before: Standard
 ) -> CustomLast:
     """Prove and measure what was found.
 
@@ -86,7 +86,7 @@ def custom_last(
     signed_mm[rest] = state.mesh.nearest(case.samples.xyz[rest]).signed
     proof = prove(case.samples, case.judged, case.room.least_mm, signed_mm, case.top_line)
     measured = measure_last(state.shoelast)
-    after, dims = measured.shoelast, find_dimensions(before, measured)
+    after, dims = measured.shoelast, find_dimensions(before.measured, measured)
     way = np.linalg.norm(state.skin.xyz_shoelast - search.skin.xyz_shoelast, axis=1)
     moved = _displacement(case, state, search.breaks, way)
     beyond = _overshoot(case, search, moved)
@@ -107,7 +107,7 @@ def custom_last(
         dimensions=dims,
         held=find_held(case.shoelast, after, dims, most),
         widening_mm=most,
-        smoothness=find_smoothness(case.energy, state.coefficients, before, measured),
+        smoothness=find_smoothness(before, state.coefficients, measured),
         smoothing=search.smoothing,
         unmet=find_unmet(proof, dims, registration, case.profile, case.settings.girths_mm),
         proof=proof,

@@ -6,7 +6,7 @@ import trimesh
 from threadpoolctl import threadpool_limits
 
 from footscan.shoelast.custom_last import CustomLast
-from footscan.shoelast.custom_report import measure_last
+from footscan.shoelast.custom_report import measure_standard
 from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.displacement import DisplacementTask
 from footscan.shoelast.fit_case import build_case, judge_foot, make_ready
@@ -53,7 +53,7 @@ def customise(
         posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
         check_size(shoelast, posed, registration)
         case = build_case(ready.result(), judge_foot(shoelast, posed), profile, settings)
-        before = beside.submit(measure_last, case.shoelast)
+        before = beside.submit(measure_standard, case.shoelast)
         return DisplacementTask(case).solved(registration, before)
 
 

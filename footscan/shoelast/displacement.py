@@ -15,9 +15,9 @@ from footscan.shoelast.asked import ASKS_MM, Asked, ask, with_bridged
 from footscan.shoelast.chart import Chart, Sparse
 from footscan.shoelast.chord import breaks_within
 from footscan.shoelast.custom_last import CustomLast
-from footscan.shoelast.custom_report import Measured
+from footscan.shoelast.custom_report import Standard
 from footscan.shoelast.custom_result import Displaced, Search, custom_last
-from footscan.shoelast.fairing import RISE_FAIR_SHARE, fair_energy, faired, smoothing_of
+from footscan.shoelast.fairing import faired, smoothing_of
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.girth_wish import girth_places, girth_pulls
 from footscan.shoelast.need import Need, find_need, parameters_at
@@ -49,7 +49,7 @@ class DisplacementTask:
         self.breaks, self.skin, self.mesh = case.breaks, case.skin, case.mesh
         self._fine: Ints = np.empty(0, dtype=np.int64)
 
-    def solved(self, registration: Registration, before: "Future[Measured]") -> CustomLast:
+    def solved(self, registration: Registration, before: "Future[Standard]") -> CustomLast:
         """Find the displacement, look at the mesh, and raise it where it lacks, until the mesh holds the foot.
 
         Args:
@@ -139,9 +139,7 @@ class DisplacementTask:
         wanted = case.chart.rows(raised.u, raised.v)
         none = np.zeros(case.chart.shape)
         unknowns = find_unknowns(free, state.coefficients, none, case.coarse, wanted)
-        return self._state(
-            self._solve(unknowns, asked.rows, asked.pulls, fair_energy(case, RISE_FAIR_SHARE, free)), self.breaks
-        )
+        return self._state(self._solve(unknowns, asked.rows, asked.pulls), self.breaks)
 
     def _free(self) -> Bools:
         return self.case.region.free(self._near)
@@ -160,12 +158,10 @@ class DisplacementTask:
         now = Chart(chart.displaced(coefficients), chart.direction)
         return girth_pulls(now, coefficients, skin, mesh, points, self._wanted_girths)
 
-    def _solve(
-        self, unknowns: Unknowns, rows: tuple[Rows, ...], pulls: tuple[Pull, ...], energy: Sparse | None = None
-    ) -> Floats:
+    def _solve(self, unknowns: Unknowns, rows: tuple[Rows, ...], pulls: tuple[Pull, ...]) -> Floats:
         self._fine = np.union1d(self._fine, unknowns.fine)
         reachable = [_reachable(row, unknowns) for row in rows]
-        found = solve_smoothest(self.case.energy if energy is None else energy, unknowns, reachable, list(pulls))
+        found = solve_smoothest(self.case.stiffness, unknowns, reachable, list(pulls))
         return unknowns.coefficients(found, self.case.chart.shape)
 
     def _state(self, coefficients: Floats, breaks: Breaks | None) -> Displaced:
@@ -200,15 +196,14 @@ class DisplacementTask:
         case = self.case
         now = Chart(state.shoelast.upper, case.chart.direction)
         need, _ = find_need(now, state.skin, state.mesh, case.samples.xyz[lacking], case.room.of(lacking))
-        used = need.of(need.known & (need.move_mm > -2.0 * _BESIDE_MM))
+        used = need.of(need.known & (need.move_mm > ASKS_MM))
         rows = case.chart.rows(used.u, used.v)
-        right = rows @ state.coefficients.ravel() + used.move_mm + _RAISED_MM
-        return Rows(rows, right), used.of(used.move_mm > ASKS_MM)
+        return Rows(rows, rows @ state.coefficients.ravel() + used.move_mm + _RAISED_MM), used
 
     def _raised_nearest(self, state: Displaced, lacking: Ints, signed: Floats) -> Rows:
         """The same with the nearest places: beside a steep rim they are not those straight out."""
         case = self.case
-        lacking = lacking[signed[lacking] + case.room.least_mm[lacking] > 0.0]
+        lacking = lacking[signed[lacking] + case.room.least_mm[lacking] > ASKS_MM]
         near = state.mesh.nearest(case.samples.xyz[lacking])
         u, v = parameters_at(state.skin, near.face, near.weight, near.xyz)
         along = (near.normal * evaluate_at(case.chart.direction, u, v).xyz_mm).sum(axis=1)

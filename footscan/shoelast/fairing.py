@@ -9,20 +9,15 @@ from footscan.coordinates import Bools, Floats, Ints
 from footscan.shoelast.asked import Asked
 from footscan.shoelast.chart import Sparse, bending_matrix
 from footscan.shoelast.custom_last import Smoothing
-from footscan.shoelast.custom_report import Measured, find_dimensions, find_smoothness, measure_last
+from footscan.shoelast.custom_report import Standard, find_dimensions, find_smoothness, measure_last
 from footscan.shoelast.custom_result import Displaced
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.obstacle import Rows, find_unknowns, solve_smoothest
 
 sparse: Any = scipy_sparse
 MOST_SMOOTH_MM = 3.0
-RISE_FAIR_SHARE, _FAIR_SHARE = 0.1, 0.4
-"""Bends shorter than this share of the transition length cost most: in later rises, and when smoothing."""
-
-
-def fair_energy(case: FitCase, share: float, moving: Bools) -> Sparse:
-    """Bending energy, and that of its change along the surface, where the coefficients `(n_v, n_u)` act."""
-    return bending_matrix(case.chart.tube, share * case.transition_mm, moving)
+_FAIR_SHARE = 0.4
+"""Bends shorter than this share of the transition length cost most."""
 
 
 def faired(case: FitCase, asked: Asked, coefficients: Floats, free: Bools, fine: Ints) -> Floats:
@@ -50,14 +45,15 @@ def faired(case: FitCase, asked: Asked, coefficients: Floats, free: Bools, fine:
     one: Sparse = sparse.identity(len(now), format="csr")[moving]
     least = np.maximum(now - limit_mm, np.minimum(asked.least.ravel(), now))[moving]
     kept += [Rows(one, least), Rows(-one, -(now + limit_mm)[moving])]
-    found = solve_smoothest(fair_energy(case, _FAIR_SHARE, free), unknowns, kept, list(asked.pulls))
+    stiffness = bending_matrix(case.chart.tube, _FAIR_SHARE * case.transition_mm, free)
+    found = solve_smoothest(stiffness, unknowns, kept, list(asked.pulls))
     return unknowns.coefficients(found, case.chart.shape)
 
 
-def smoothing_of(case: FitCase, standard: Measured, plain: Displaced, smooth: Displaced, limit_mm: float) -> Smoothing:
+def smoothing_of(case: FitCase, standard: Standard, plain: Displaced, smooth: Displaced, limit_mm: float) -> Smoothing:
     """What smoothing changed; `standard` is the last that was customised."""
     before, after = measure_last(plain.shoelast), measure_last(smooth.shoelast)
-    variation = bending_matrix(case.chart.tube, 1.0) - case.energy
+    variation = bending_matrix(case.chart.tube, 1.0) - standard.bending
     first, second = (
         float(state.coefficients.ravel() @ (variation @ state.coefficients.ravel())) for state in (plain, smooth)
     )
@@ -65,7 +61,7 @@ def smoothing_of(case: FitCase, standard: Measured, plain: Displaced, smooth: Di
         limit_mm=limit_mm,
         most_mm=float(np.linalg.norm(smooth.skin.xyz_shoelast - plain.skin.xyz_shoelast, axis=1).max()),
         variation=(first, second),
-        before=find_smoothness(case.energy, plain.coefficients, standard, before),
+        before=find_smoothness(standard, plain.coefficients, before),
         dimensions=find_dimensions(before, after),
         unsmoothed=before.shoelast,
     )

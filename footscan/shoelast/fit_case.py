@@ -24,6 +24,8 @@ from footscan.shoelast.top_line import TopLine, find_top_line
 
 _SPAN_SHARE = 0.6
 """Spans of the displacement's own net are at most this share of the transition length."""
+_FAIR_SHARE = 0.1
+"""Bends shorter than this share of the transition length cost most: no new crease at its border."""
 _FIRST_MESH = Sampling(300, 100, 32)
 
 
@@ -36,7 +38,7 @@ class ReadyLast:
         chart: Of the last.
         region: Where its coefficients act.
         coarse: The net of the displacement.
-        energy: Bending energy of a displacement.
+        stiffness: What is least of a displacement: the energy of its bends and of their changes.
         breaks: Where the standard last is laid out as a mesh.
         skin: That mesh.
         mesh: The same, for distances.
@@ -46,7 +48,7 @@ class ReadyLast:
     chart: Chart
     region: ChangeRegion
     coarse: Coarse
-    energy: Sparse
+    stiffness: Sparse
     breaks: Breaks
     skin: LastSkin
     mesh: DistanceMesh
@@ -62,7 +64,7 @@ def make_ready(shoelast: Shoelast, transition_mm: float) -> ReadyLast:
         chart=chart,
         region=ChangeRegion(chart),
         coarse=coarse_space(chart.tube, _SPAN_SHARE * transition_mm),
-        energy=bending_matrix(chart.tube),
+        stiffness=bending_matrix(chart.tube, _FAIR_SHARE * transition_mm),
         breaks=breaks,
         skin=skin,
         mesh=DistanceMesh(skin.xyz_shoelast, skin.faces),

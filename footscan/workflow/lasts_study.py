@@ -125,6 +125,9 @@ def outcome_json(outcome: StudyOutcome) -> dict[str, Any]:
             "chord_error_mm": custom.chord_error_mm,
             "widening_mm": custom.widening_mm,
             "rounds": custom.rounds,
+            "outside_mm": custom.outside_mm,
+            "curvature_step_per_mm2": custom.smoothness.curvature_step_per_mm2[1],
+            "ball_girth_mm": custom.dimensions["ball_girth"][:2],
         }
     return vars(outcome.case) | found
 
