@@ -50,6 +50,11 @@ def put_options(handle: Any, options: tuple[str, ...], chosen: str) -> None:
         handle.value = chosen
 
 
+def plain(words: str) -> str:
+    """Words of a person as they are, where Markdown is shown: no sign of them means anything."""
+    return "".join(f"&#{ord(sign)};" if not sign.isalnum() and sign != " " else sign for sign in words)
+
+
 def ask(
     desk: Desk, client: viser.ClientHandle, title: str, body: str, yes: str, no: str, then: Callable[[], None],
     otherwise: Callable[[], None] = lambda: None,

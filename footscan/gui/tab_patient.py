@@ -5,9 +5,10 @@ import html
 import viser
 
 from footscan.gui import texts
-from footscan.gui.binding import ask, on_press, on_value, put, put_options
+from footscan.gui.binding import ask, on_press, on_value, plain, put, put_options
 from footscan.gui.corrections import Corrections
 from footscan.gui.declared import Declared
+from footscan.gui.history import History
 from footscan.gui.proposed import Proposed
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
@@ -38,6 +39,7 @@ class PatientTab:
         self._declared = Declared(tools)
         self._visits = gui.add_html("")
         self._corrections = Corrections(tools)
+        self._history = History(tools)
         on_value(desk, self._operator, work.set_operator)
         on_value(desk, self._typed, work.find)
         on_press(desk, self._choose, lambda _: self._take_chosen())
@@ -53,6 +55,7 @@ class PatientTab:
         self._proposed.show(state)
         self._declared.show(state)
         self._corrections.show(state)
+        self._history.show(state)
         special = "".join(
             f"<div>{html.escape(facts_words(foot))}</div>" for foot in state.feet if foot.facts != FootFacts()
         )
@@ -76,7 +79,7 @@ class PatientTab:
             self._desk,
             client,
             texts.NAMESAKE_TITLE,
-            html.escape(f"{name} {born}"),
+            plain(f"{name} {born}"),
             texts.NAMESAKE_YES,
             texts.NAMESAKE_NO,
             lambda: self._enter_new(client, force=True),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from footscan.coordinates import Side
 from footscan.errors import DuplicatePatientError, FootscanError
 from footscan.gui import texts
-from footscan.gui.desk import Desk, Progress
+from footscan.gui.desk import Command, Desk, Progress
 from footscan.gui.earlier import Earlier, find_earlier
 from footscan.gui.state import PageState, ScanChoice
 from footscan.gui.station import Station
@@ -88,8 +88,8 @@ class PatientWork:
         self._desk.say(texts.ENTERED, patient.name)
         return True
 
-    def correct(self, take_id: int, right: Correction, reason: str) -> None:
-        """Put a take where it belongs, and measure again what no longer fits."""
+    def correct(self, take_id: int, right: Correction, reason: str, then: Command) -> None:
+        """Put a take where it belongs, and measure again what no longer fits; `then` is called when it is done."""
         state = self._desk.state
         if not state.operator or not reason.strip():
             why = texts.CORRECT_REASON_HINT if state.operator else texts.NO_OPERATOR
@@ -100,14 +100,18 @@ class PatientWork:
 
         def done(take: Take) -> None:
             self.refresh()
-            self._desk.say(
-                texts.CORRECTED, texts.CORRECTED_WORDS.format(take=take.id, side=texts.SIDES[take.said.side])
-            )
+            then()
+            self._desk.say(texts.CORRECTED, corrected_words(take, self._station.store.patient(take.patient_id)))
+
+        def failed(err: FootscanError) -> None:
+            self.refresh()  # the correction may stand although the take could not be measured again
+            self._desk.say(texts.FAILED, str(err), wrong=True)
 
         self._desk.job(
             texts.JOB_CORRECT,
             lambda progress: correct_take(self._station.store, take_id, right, reason, state.operator, progress),
             done,
+            failed,
         )
 
     def declare(self, side: Side, facts: FootFacts) -> None:
@@ -189,6 +193,12 @@ class PatientWork:
                 feet=feet_today(self._station, number),
                 earlier=self._earlier(number, state.scan),
             )
+
+
+def corrected_words(take: Take, patient: Patient) -> str:
+    """Where a take belongs now."""
+    side, load = texts.SIDES[take.said.side], texts.LOADS[take.said.load]
+    return texts.CORRECTED_WORDS.format(take=take.id, patient=patient.name, side=side, load=load)
 
 
 def takes_of(station: Station, patient_id: int) -> tuple[Take, ...]:

@@ -77,7 +77,11 @@ def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
     assert store.take(before.id) == before
     me.types(texts.CORRECT_REASON, "mixed up")
     me.presses(texts.CORRECT_GO)
-    me.sees(texts.CORRECTED_WORDS.format(take=before.id, side=before.said.side))
+    me.sees(
+        texts.CORRECTED_WORDS.format(
+            take=before.id, patient=measured_patient, side=before.said.side, load=texts.LOADS["seated"]
+        )
+    )
     after = store.take(before.id)
 
     assert (after.said.load, after.said.side, after.stale) == ("seated", before.said.side, False)
