@@ -108,6 +108,7 @@ class Desk:
         if self.state.job is not None:
             self._cancelled.set()
             self._stop_job()
+            self.post(self._say_cancelling)  # some work ends only where its next step would begin
 
     def _do(
         self,
@@ -132,6 +133,11 @@ class Desk:
         else:
             self.post(lambda: self._end(lambda: then(made)))
 
+    def _say_cancelling(self) -> None:
+        job = self.state.job
+        if job is not None and self._cancelled.is_set():
+            self.change(job=replace(job, words=texts.CANCELLING))
+
     def _progress(self, job: Job) -> None:
         if self.state.job is not None:
             self.change(job=job)
@@ -141,7 +147,9 @@ class Desk:
         command()
 
     def _failed(self, err: FootscanError, failed: Callable[[FootscanError], None] | None) -> None:
-        if failed is None:
+        if failed is None and isinstance(err, CancelledError):
+            self.say(str(err), "")
+        elif failed is None:
             self.say(texts.FAILED, str(err), wrong=True)
         else:
             failed(err)

@@ -43,7 +43,7 @@ def _signed(value: float | None) -> str:
     return "-" if value is None else f"{value:+.1f}"
 
 
-def room_tables(found: Comparison) -> str:
+def room_tables(found: Comparison, name_of_last: str) -> str:
     """Room by region and girths in the same planes."""
     regions = [
         (
@@ -61,7 +61,8 @@ def room_tables(found: Comparison) -> str:
     ]  # fmt: skip
     remarks = "".join(f"<div>{html.escape(remark)}</div>" for remark in found.remarks)
     return (
-        _table(texts.LAST_REGION_HEAD, regions)
+        texts.LAST_ROOM.format(name=html.escape(name_of_last))
+        + _table(texts.LAST_REGION_HEAD, regions)
         + f"<div>{texts.LAST_REGION_NOTE}</div>"
         + _table(texts.LAST_GIRTH_HEAD, girths)
         + remarks

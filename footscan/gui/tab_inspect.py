@@ -27,7 +27,7 @@ class InspectTab:
         self._feet: dict[int, InspectedFoot] = {}
         self._drawn: tuple[Any, ...] | None = None
         self._cut: tuple[Any, ...] | None = None
-        self._take = gui.add_dropdown(texts.TAKE, (texts.INSPECT_NONE,))
+        self._take = gui.add_dropdown(texts.TAKE, (texts.FOOT_NONE,))
         self._shown = gui.add_dropdown(texts.SHOW, texts.SHOW_KINDS, hint=texts.SHOW_HINT)
         self._beside = gui.add_checkbox(texts.OTHER_FOOT, False, hint=texts.OTHER_FOOT_HINT)
         self._legend = gui.add_html("")
@@ -70,7 +70,7 @@ class InspectTab:
     def show(self, state: PageState) -> None:
         """What the desk says."""
         takes = measured_takes(state)
-        options = tuple(words_of_take(take) for take in takes) or (texts.INSPECT_NONE,)
+        options = tuple(words_of_take(take) for take in takes) or (texts.FOOT_NONE,)
         chosen = next((take for take in takes if take.id == state.inspect.take_id), takes[0] if takes else None)
         put_options(self._take, options, options[0] if chosen is None else words_of_take(chosen))
         put(self._shown, value=state.inspect.shown)

@@ -16,7 +16,7 @@ from footscan.errors import FootscanError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
 from footscan.gui.inspected import InspectedFoot, open_foot
-from footscan.gui.last_choice import LastChoice
+from footscan.gui.last_choice import FittedLast, LastChoice
 from footscan.gui.last_tables import proof_words, ranking_table, room_tables
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
@@ -28,6 +28,7 @@ from footscan.shoelast.fitting_defaults import TRANSITION_MM, profile_names
 
 if TYPE_CHECKING:
     from footscan.gui.fitting import Fitting
+    from footscan.shoelast.custom_last import CustomLast
     from footscan.shoelast.model import Shoelast
 
 _PLACES = (
@@ -45,7 +46,7 @@ class LastTab:
         self._desk, self._station = tools.desk, tools.station
         self._view = LastView(tools.server, tools.view)
         self._drawn: tuple[Any, ...] = ()
-        self._foot = gui.add_dropdown(texts.LAST_FOOT, (texts.INSPECT_NONE,))
+        self._foot = gui.add_dropdown(texts.LAST_FOOT, (texts.FOOT_NONE,))
         names = profile_names()
         self._profile = gui.add_dropdown(
             texts.LAST_PROFILE, names, initial_value=LastChoice().profile, hint=texts.LAST_PROFILE_HINT
@@ -121,18 +122,22 @@ class LastTab:
         choice, busy = state.last, state.job is not None
         takes = measured_takes(state)
         chosen = self._take(state)
-        options = tuple(words_of_take(take) for take in takes) or (texts.INSPECT_NONE,)
+        options = tuple(words_of_take(take) for take in takes) or (texts.FOOT_NONE,)
         put_options(self._foot, options, options[0] if chosen is None else words_of_take(chosen))
         names = tuple(one.entry.id for one in choice.ranking) or (texts.LAST_NONE,)
         put_options(self._last, names, choice.last_id if choice.last_id in names else names[0])
-        put(self._ranking, content=_box(ranking_table(choice.ranking, choice.last_id)))
+        ranked = ranking_table(choice.ranking, choice.last_id) if takes else texts.LAST_FOOT_NONE
+        put(self._ranking, content=_box(ranked))
         put(self._shown, value=choice.shown)
         put(self._rank, disabled=busy or chosen is None)
         ready = not busy and chosen is not None and bool(choice.ranking)
         for button in (self._compare, self._customise):
             put(button, disabled=not ready)
         put(self._hide, visible=choice.fitted is not None or choice.custom is not None)
-        put(self._room, content="" if choice.fitted is None else _box(room_tables(choice.fitted.comparison)))
+        put(
+            self._room,
+            content="" if choice.fitted is None else _box(room_tables(choice.fitted.comparison, choice.fitted.last_id)),
+        )
         words = ", ".join(f"{pin.why} {pin.extra_mm:+g} mm over {pin.radius_mm:g} mm" for pin in choice.pins)
         pins = texts.LAST_PINS.format(count=len(choice.pins), words=words) if choice.pins else texts.LAST_PINS_NONE
         put(self._pins, content=_box(pins))
@@ -231,8 +236,12 @@ class LastTab:
         self._desk.job(
             texts.JOB_CUSTOMISE,
             lambda progress: self._fitting.customised(foot, choice.last_id, choice.profile, settings, progress),
-            lambda custom: self._change(custom=custom, shown="Changed areas"),
+            self._show_made,
         )
+
+    def _show_made(self, custom: CustomLast) -> None:
+        self._change(custom=custom, shown="Changed areas")
+        self._desk.say(texts.LAST_MADE, texts.LAST_MADE_HOLDS if custom.proof.holds else texts.LAST_MADE_NOT)
 
     def _send(self, client: viser.ClientHandle) -> None:
         """Write the customised last, or the chosen one, and hand it to the browser."""
@@ -251,6 +260,10 @@ class LastTab:
         self._desk.job(
             texts.JOB_EXPORT, work, lambda content: client.send_file_download(name, content, save_immediately=True)
         )
+
+
+def _room(fitted: FittedLast | None) -> str:
+    return "" if fitted is None else _box(room_tables(fitted.comparison, fitted.last_id))
 
 
 def _unchanged(choice: LastChoice) -> str:

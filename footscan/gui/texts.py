@@ -333,7 +333,8 @@ LOG_EMPTY = "Nothing has happened yet."
 WORKING = "Working"
 CANCEL = "Cancel"
 CANCEL_HINT = "Ends what is being done; what was captured is kept"
-CANCELLED = "{what}: cancelled. What was captured is kept."
+CANCELLING = "Cancelling"
+CANCELLED = "{what}: cancelled."
 FAILED = "That did not work"
 INTERNAL = "Something unexpected happened ({what}). Lasers and motor are off. Start footscan again if it stays."
 JOB_CHECK, JOB_SCAN, JOB_MEASURE, JOB_REPROCESS = "Checking", "Scanning", "Measuring", "Measuring again"
@@ -365,6 +366,13 @@ LAST_SHOW_KINDS = ("Last round the foot", "Clearance map", "Changed areas")
 LAST_HIDE = "Show the scan again"
 LAST_HIDE_HINT = "Takes the last out of the 3-D view"
 LAST_FOOT_NONE = "No measured foot yet. Scan one, or choose a patient who has one."
+FOOT_NONE = "(no measured foot yet)"
+LAST_ROOM = "<b>Room in the last of the library, {name}:</b>"
+LAST_MADE, LAST_MADE_HOLDS, LAST_MADE_NOT = (
+    "Customised",
+    "The last holds the seen foot. Proof, dimensions and files stand below.",
+    "The last does not hold the seen foot; below stands what was not met.",
+)
 LAST_RANKING_HEAD = (
     "<tr><th></th><th>Last</th><th>Score</th><th>Ball length</th><th>Ball girth</th><th>Length</th></tr>"
 )
@@ -390,7 +398,7 @@ LAST_PIN_EXTRA_HINT = "Added to the least room there; negative where the last ma
 LAST_PIN_ADD = "Set the pin"
 LAST_PIN_ADD_HINT = "A spot allowance, such as for a bunion or a hammer toe"
 LAST_PIN_CLEAR = "Take all pins out"
-LAST_PINS = "{count} pins: {words}"
+LAST_PINS = "Pins ({count}): {words}"
 LAST_PINS_NONE = "No pins."
 LAST_CUSTOMISE = "Customise"
 LAST_CUSTOMISE_HINT = "The smoothest change of the last that holds the foot; a few seconds"

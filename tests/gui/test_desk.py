@@ -104,6 +104,24 @@ def test_a_cancelled_job_stops_where_it_tells_its_progress(desk: Desk) -> None:
     assert len(steps) < 10_000
 
 
+def test_cancelling_is_shown_at_once_and_its_end_is_no_failure(desk: Desk, told: Told) -> None:
+    go = threading.Event()
+
+    def work(progress: Progress) -> None:
+        progress(0, 1)
+        go.wait(20.0)  # a long step that cannot be broken off
+        progress(1, 1)
+
+    desk.post(lambda: desk.job("customising", work, lambda made: None) and None)
+    until(lambda: desk.state.job is not None and desk.state.job.total == 1)
+    desk.cancel()
+    until(lambda: desk.state.job is not None and desk.state.job.words == texts.CANCELLING)
+    go.set()
+    until(lambda: desk.state.job is None and bool(told))
+
+    assert told == [(texts.CANCELLED.format(what="customising"), "", False)]
+
+
 def test_a_job_that_fails_says_why_and_frees_the_desk(desk: Desk, told: Told) -> None:
     def work(progress: Progress) -> None:
         raise DeviceError("the camera is gone.")
