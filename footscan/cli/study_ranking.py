@@ -46,7 +46,7 @@ def study_ranking(
     else:
         STDOUT.print(
             f"{well} of {len(outcomes)} rankings begin within {MOST_SIZES:g} sizes and {MOST_WIDTHS:g} width of the "
-            "size rule (or with the width nearest to it that there is), with wrong lasts in the worse half"
+            "size rule, with wrong lasts in the worse half"
         )
     if well < len(outcomes):
         raise QualityError(

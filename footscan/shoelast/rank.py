@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from footscan.coordinates import Floats, Side
+from footscan.coordinates import Bools, Floats, Side
 from footscan.errors import InputError
 from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.last_library import LastEntry
@@ -17,8 +17,9 @@ from footscan.shoelast.prepared_foot import PreparedFoot
 from footscan.shoelast.profile import Profile, load_profile
 from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
 
-WRONG_SIDE, WRONG_WIDTH = 1000.0, 2000.0
-"""Added to the score: a last of the wrong side can be mirrored exactly, one of the wrong width cannot be mended."""
+WRONG_SIDE, WRONG_WIDTH, MIRRORED = 1000.0, 2000.0, 4000.0
+"""Added to the score: a last of the wrong side can be mirrored exactly, one of the wrong width cannot be mended; one of
+the wrong side whose mirror image is in the list as well is of no use at all."""
 _INSIDE = 0.2
 """Cost of a millimetre inside the band, as a share of one outside."""
 FROM_FOOT = {
@@ -32,6 +33,7 @@ FROM_FOOT = {
     "toe_box_height": ("toe_box_height", "toe_height"),
 }
 """Part of the score -> dimension of the last, measurement of the foot."""
+OTHER: Mapping[Side, Side] = {"left": "right", "right": "left"}
 NEEDED_PARTS = ("ball_length", "ball_girth", "length_room")
 
 
@@ -92,10 +94,11 @@ def rank_by_values(
     bands = np.array([profile.bands[f"{part}_mm"] for part in parts])
     costs = _costs(differences, bands) * np.array([weights[part] for part in parts])
     wrong = np.array([entry.side != side for entry in entries])
+    mirrored = wrong & _has_mirror_image(entries)
     fuller = _fuller_mm(differences, parts, bands)
     size = _size_costs(entries, values["foot_length"])
     width = np.abs(fuller) > _most_fuller_mm(np.abs(fuller[(size == 0.0) & ~wrong]))
-    scores = costs.sum(axis=1) + size + WRONG_SIDE * wrong + WRONG_WIDTH * width
+    scores = costs.sum(axis=1) + size + WRONG_SIDE * wrong + WRONG_WIDTH * width + MIRRORED * mirrored
     return [
         Ranked(
             entries[k],
@@ -106,6 +109,13 @@ def rank_by_values(
         )
         for k in np.argsort(scores, kind="stable")
     ]
+
+
+def _has_mirror_image(entries: Sequence[LastEntry]) -> Bools:
+    """Which lasts have a last of the other side with the same dimensions beside them."""
+    shapes = [tuple(round(value, 1) for value in entry.dimensions.values()) for entry in entries]
+    of_side = {side: {s for s, entry in zip(shapes, entries, strict=True) if entry.side == side} for side in OTHER}
+    return np.array([s in of_side[OTHER[entry.side]] for s, entry in zip(shapes, entries, strict=True)])
 
 
 def _most_fuller_mm(of_the_size_mm: Floats) -> float:

@@ -36,8 +36,8 @@ class RankingOutcome:
         sizes_off: EU size of the first less that of the size rule.
         widths_off: Ball girth of the first for its length less what the foot's wants, in widths.
         narrowest_off: Widths that the best-fitting last of the rule's size is off: what the library can do at all.
-        wrong_above_median: Lasts of the wrong side, or two widths off, that stand in the better half; where fewer than
-            half may be taken, among as many as may be.
+        wrong_above_median: Lasts of the wrong side in the better half, and lasts two widths off in the better half of
+            the foot's side; where fewer than that half may be taken, among as many as may be.
     """
 
     name: str
@@ -53,9 +53,9 @@ class RankingOutcome:
 
     @property
     def well(self) -> bool:
-        """Within half a size and one width (or no further off than any last of the size), wrong ones behind."""
-        width = max(MOST_WIDTHS, self.narrowest_off + 0.5)
-        return abs(self.sizes_off) <= MOST_SIZES and abs(self.widths_off) <= width and self.wrong_above_median == 0
+        """Within half a size and one width, wrong ones behind."""
+        near = abs(self.sizes_off) <= MOST_SIZES and abs(self.widths_off) <= MOST_WIDTHS
+        return near and self.wrong_above_median == 0
 
 
 def run_ranking_study(
@@ -89,9 +89,8 @@ def ranking_outcome(
     wrong = np.array([one.entry.side != foot.side for one in ranking])
     of_size = np.array([abs((one.entry.size_eu or wanted) - wanted) <= MOST_SIZES for one in ranking])
     least = float(np.abs(off[of_size & ~wrong]).min(initial=np.inf))
-    two_off = np.abs(off) > max(2.0, least + 1.0)
-    bad, right = wrong | two_off, ~wrong & (np.abs(off) <= max(_RIGHT_WIDTHS, least))
-    better = min(len(ranking) // 2, int(right.sum()))
+    two_off, right = np.abs(off[~wrong]) > 2.0, np.abs(off[~wrong]) <= _RIGHT_WIDTHS
+    better = min(len(right) // 2, int(right.sum()))
     first = ranking[0]
     return RankingOutcome(
         name=name,
@@ -103,7 +102,7 @@ def ranking_outcome(
         sizes_off=(first.entry.size_eu or wanted) - wanted,
         widths_off=float(off[0]),
         narrowest_off=least if np.isfinite(least) else 0.0,
-        wrong_above_median=int(bad[:better].sum()),
+        wrong_above_median=int(wrong[: len(ranking) // 2].sum() + two_off[:better].sum()),
     )
 
 
