@@ -46,7 +46,9 @@ def _line(entry: AuditEntry) -> str:
 
 
 def changes_words(detail: Mapping[str, Any]) -> str:
-    """What a correction changed, from and to; empty for other lines."""
+    """What a correction changed, from and to, or how a take was judged; empty for other lines."""
+    if detail.get("verdict") in texts.VERDICTS:
+        return f": {texts.VERDICTS[detail['verdict']]}"
     before, after = detail.get("before"), detail.get("after")
     if not isinstance(before, Mapping) or not isinstance(after, Mapping):
         return ""

@@ -117,6 +117,7 @@ def _plot(gui: viser.GuiApi, x: Any, y: Any, title: str) -> viser.GuiUplotHandle
         scales={"x": uplot.Scale(time=False)},
         legend=uplot.Legend(show=False),
         height=120,
+        padding=(10, 8, 0, 0),  # else the uppermost number is cut in half
     )
 
 

@@ -19,6 +19,8 @@ SIZES = ((1280, 800), (1920, 1080))
 _PATIENCE_S = 300.0
 _DRAWN_MS, _SETTLED_MS = 4000, 900
 """A browser without a graphics card needs as long for a new foot, and for a new size."""
+_STOPS = 8
+"""Head angles are enough to show what a placement of the calibration board looks like."""
 
 
 def take_screenshots(rig: Rig, out: Path, say: Callable[[str], None]) -> list[Path]:
@@ -65,10 +67,14 @@ def _states(me: Visitor, page: Page) -> Iterator[str]:
     me.takes_patient("Anna Example")
     yield "patient"
     yield from _scan(me, page)
+    me.goes_to(texts.TAB_PATIENT)
+    for fold in (texts.CORRECT, texts.HISTORY):
+        me.tab.get_by_text(fold, exact=True).click()
+    me.tab.get_by_text(texts.HISTORY, exact=True).scroll_into_view_if_needed()
+    yield "filed"
     yield from _inspect(me)
     yield from _last(me)
-    me.goes_to(texts.TAB_CALIBRATE)
-    yield "calibrate"
+    yield from _calibrate(me, page)
     me.goes_to(texts.TAB_SYSTEM)
     me.presses(texts.EXAMINE)
     yield "question"
@@ -125,7 +131,27 @@ def _last(me: Visitor) -> Iterator[str]:
     me.sees(re.compile("never seen|negative: the foot stands out"))
     me.tab.wait_for_timeout(_DRAWN_MS)
     yield "last-compared"
+    me.chooses(texts.LAST_SHOW, "Clearance map")
+    me.tab.wait_for_timeout(_DRAWN_MS)
+    yield "last-clearance"
     me.presses(texts.LAST_CUSTOMISE)
     me.sees(re.compile("The last (holds|does not hold)"))
     me.tab.wait_for_timeout(_DRAWN_MS)
     yield "last-customised"
+
+
+def _calibrate(me: Visitor, page: Page) -> Iterator[str]:
+    me.goes_to(texts.TAB_CALIBRATE)
+    yield "calibrate"
+    page.calibration.stops = _STOPS
+    me.presses(texts.CALIBRATE_BEGIN)
+    me.presses(texts.CALIBRATE_YES)
+    me.sees(re.compile("Placement 1:"))
+    me.button(texts.CALIBRATE_PLACE).and_(me.tab.locator("button:enabled")).click()
+    me.presses(texts.CALIBRATE_YES)
+    me.sees(re.compile("[1-9] % of the stops"))
+    yield "calibrate-recording"
+    me.presses(texts.CANCEL)
+    me.button(texts.CALIBRATE_ABANDON).and_(me.tab.locator("button:enabled")).click()
+    me.tab.get_by_role("dialog").get_by_role("button", name=texts.CALIBRATE_ABANDON).click()
+    me.button(texts.CALIBRATE_BEGIN).wait_for()

@@ -274,7 +274,10 @@ CALIBRATE_ENOUGH = "That is enough: compute now, or add another placement."
 BOARD_PRINT = "Print the board (PDF)"
 BOARD_PRINT_HINT = "On A4 landscape at 100 %, no fitting to the page; glue it on a stiff flat plate"
 BOARD_FILE = "calibration-board.pdf"
-BOARD_WORDS = "The board by calliper over all squares, without the white border. <b>Every length rests on it.</b>"
+BOARD_WORDS = (
+    "Measure the printed board with a calliper, over all squares and without the white border. "
+    "<b>Every later length rests on it.</b>"
+)
 BOARD_AFTERWARDS = (
     "The lengths go into the fields {row} and {column} at the top of this tab; then compute again from this recording."
 )

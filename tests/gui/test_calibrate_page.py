@@ -38,6 +38,9 @@ def test_a_calibration_is_computed_kept_out_and_then_put_in_force(served: Served
     me.presses(texts.CALIBRATE_KEEP)
     me.sees(texts.CALIBRATE_KEPT)
     assert page.station.calibration == truth
+    with me.tab.expect_download() as board:
+        me.presses(texts.BOARD_PRINT)
+    assert board.value.path().read_bytes().startswith(b"%PDF")
     me.types(texts.BOARD_ROW, "210.00")
     me.presses(texts.CALIBRATE_GO)
     me.sees(texts.BOARD_BOTH)

@@ -1,11 +1,13 @@
 """Buttons that no other test presses: namesakes, give up, keep, what is declared, doctor, drills."""
 
 import re
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
 from footscan.gui import texts
 from footscan.gui.visitor import Visitor as Operator
+from footscan.records import FootFacts, NewPatient
 from tests.gui.conftest import Served
 from tests.gui.until import until
 
@@ -84,8 +86,41 @@ def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
     )
     after = store.take(before.id)
 
+    other = store.find_patients("Anna Example", 1)[0]
+    me.types(texts.CORRECT_PATIENT, f"#{other.id}")
+    me.types(texts.CORRECT_REASON, "namesake")
+    me.presses(texts.CORRECT_GO)
+    me.tab.get_by_role("dialog").get_by_text("Anna Example").wait_for()
+    me.presses(texts.CORRECT_MOVE_NO)
+
+    assert store.take(before.id) == after
     assert (after.said.load, after.said.side, after.stale) == ("seated", before.said.side, False)
     assert after.result is not None and before.result is not None and after.result.id != before.result.id
+
+
+def test_what_an_earlier_visit_declared_holds_only_after_somebody_says_so(
+    served: Served, me: Operator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk, store = served.page.desk, served.page.station.store
+    toe = FootFacts(("toe_2",), deformity="hallux valgus")
+    with monkeypatch.context() as earlier:
+        earlier.setattr(store, "_now", lambda: datetime.now(UTC) - timedelta(days=90))
+        for name in ("Rita Returning", "Hanna Healed"):
+            patient = store.add_patient(NewPatient(name), "a test")
+            store.declare_foot(store.open_visit(patient.id, "a test").id, "left", toe, "a test")
+    me.takes_patient("Hanna Healed")
+    me.sees(texts.EARLIER_TITLE)
+    me.presses(texts.EARLIER_NOT)
+    me.misses(texts.EARLIER_TITLE)
+    assert desk.state.feet == ()
+    me.takes_patient("Rita Returning")
+    me.sees(texts.EARLIER_TITLE)
+    me.presses(texts.EARLIER_HOLDS)
+    me.sees(re.compile("toe 2 is missing; deformity: hallux valgus"))
+    until(lambda: desk.state.job is None)
+
+    assert [(foot.side, foot.facts) for foot in desk.state.feet] == [("left", toe)]
+    assert not desk.state.earlier
 
 
 def test_a_missing_toe_and_a_dressing_are_declared_and_come_back_with_the_patient(served: Served, me: Operator) -> None:

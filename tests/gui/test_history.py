@@ -20,7 +20,8 @@ def test_a_correction_says_what_it_changed_from_and_to() -> None:
     assert "patient #3 → #4" in words and "foot left → right" in words
     assert "load standing on both feet → seated" in words and "in use yes → no" in words
     assert "skin" not in words
-    assert changes_words({"verdict": "accepted"}) == "" == changes_words({"before": WAS, "after": WAS})
+    assert changes_words({"landmark": "navicular"}) == "" == changes_words({"before": WAS, "after": WAS})
+    assert changes_words({"verdict": "with_remark"}) == ": with remark"
 
 
 def test_who_and_why_stand_in_the_line_and_nothing_typed_is_taken_for_html() -> None:
