@@ -91,6 +91,8 @@ def machine_words(snapshot: Snapshot, calibration: CalibrationChoice) -> str:
     said = snapshot.message or snapshot.state.value
     if said == State.CONNECTED.value:
         return texts.HOME_FIRST
+    if said == State.CLOSED.value:
+        return texts.MACHINE_CLOSED
     recording = calibration.folder is not None and not calibration.recorded
     return texts.CALIBRATE_PARKED if recording and said == State.PARKED.value else said
 

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from footscan.config.rig_file import Rig
+from footscan.errors import DeviceError
+from footscan.gui import texts
 from footscan.optics.calibration import Calibration
 from footscan.records import RecordStore
 from footscan.records.data_folder import SCANS
@@ -113,10 +115,11 @@ class Station:
     def examine(self) -> list[Finding]:
         """Close the machine, look at every device and at the disk as `footscan doctor` does, and open it again.
 
-        Raises:
-            DeviceError: The machine cannot be opened again; nothing is on.
+        What is wrong is a finding, also a machine that cannot be opened again: it stays closed then, nothing is on, and
+        the next look tries it again.
         """
         from footscan import app
+        from footscan.devices.diagnosis import Finding
         from footscan.workflow.doctor import examine_computer
 
         self.session.close()
@@ -124,8 +127,9 @@ class Station:
         found = list(examine_computer(self.data, self.scans, self.calibration, self.calibration_words))
         try:
             found += app.examine_devices(self.rig)
-        finally:
             self._open()
+        except DeviceError as err:
+            found.append(Finding("machine", "trouble", texts.NOT_OPENED_AGAIN.format(why=err)))
         return found
 
     def close(self) -> None:

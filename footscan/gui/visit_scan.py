@@ -48,6 +48,8 @@ class ScanWork:
         state = self._desk.state
         if state.job is not None or self._session.snapshot().state is State.HOLDING:
             return texts.BUSY
+        if self._session.snapshot().state is State.CLOSED:
+            return texts.MACHINE_CLOSED
         if self._calibration.recording:
             return texts.CALIBRATION_OPEN
         if state.patient is None:

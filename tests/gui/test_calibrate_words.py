@@ -44,5 +44,9 @@ def test_nobody_is_invited_on_to_the_board_while_the_calibration_is_recorded(cho
     assert machine_words(Snapshot(State.PARKED, "no encoder counts"), OPEN) == "no encoder counts"
 
 
+def test_a_closed_machine_says_what_opens_it_again() -> None:
+    assert texts.EXAMINE in machine_words(Snapshot(State.CLOSED), CalibrationChoice())
+
+
 def test_a_machine_whose_head_has_no_home_says_which_button_finds_it() -> None:
     assert texts.CHECK.split()[-1] in machine_words(Snapshot(State.CONNECTED), CalibrationChoice())
