@@ -11,7 +11,8 @@ from footscan.foot.units import mm_from_unit
 
 KINDS = (".stl", ".ply", ".obj", ".off", ".glb", ".3mf")
 SURFACE = "surface.ply"
-_STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
+_STL_HEADER_BYTES, _STL_TRIANGLE_BYTES, _STL_END_BYTES = 84, 50, 4096
+_TEXT = frozenset(range(32, 127)) | frozenset(b"\t\r\n")
 
 
 def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
@@ -38,27 +39,38 @@ def load_foot_mesh(path: Path, unit: str = "mm") -> trimesh.Trimesh:
 def _load_any(path: Path) -> trimesh.Trimesh:
     if path.suffix.lower() not in KINDS:
         raise MeshError(f"{path}: kind {path.suffix or 'without ending'} is not read; allowed are {', '.join(KINDS)}")
-    _refuse_cut_stl(path)
+    if path.stat().st_size == 0:
+        raise MeshError(f"{path}: is empty (0 bytes); copy or export it again")
+    if path.suffix.lower() == ".stl":
+        _refuse_cut_stl(path)
     try:
         mesh = trimesh.load(path, force="mesh", process=False)
     except Exception as error:
-        raise MeshError(f"{path}: cannot be read as a mesh ({error}); export it again") from error
+        raise MeshError(
+            f"{path}: cannot be read as a mesh ({error}): cut off, damaged or another kind of file; export it again"
+        ) from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-        raise MeshError(f"{path}: holds no triangles; a foot mesh is needed, not a cloud or a drawing")
+        raise MeshError(f"{path}: holds no triangles; a mesh is needed, not a cloud, a drawing or text")
     return mesh
 
 
 def _refuse_cut_stl(path: Path) -> None:
-    """Refuse a binary STL that is shorter than its header says; a text STL has words there."""
-    if path.suffix.lower() != ".stl":
-        return
+    """Refuse a binary STL that is shorter than its header says, and a text one without triangles or end."""
+    size = path.stat().st_size
     with path.open("rb") as stream:
         start = stream.read(_STL_HEADER_BYTES)
-    if len(start) < _STL_HEADER_BYTES or start.lstrip().lower().startswith(b"solid"):
+        stream.seek(max(size - _STL_END_BYTES, 0))
+        end = stream.read()
+    count = int.from_bytes(start[80:84], "little")
+    held = max(size - _STL_HEADER_BYTES, 0) // _STL_TRIANGLE_BYTES
+    if len(start) == _STL_HEADER_BYTES and held >= count:
         return
-    count, size = int.from_bytes(start[80:84], "little"), path.stat().st_size
-    held = (size - _STL_HEADER_BYTES) // _STL_TRIANGLE_BYTES
-    if held < count:
-        raise MeshError(
-            f"{path}: cut off: the header counts {count} triangles, it holds {held}; copy or export it again"
-        )
+    if start.lstrip().lower().startswith(b"solid"):
+        if b"endsolid" not in end.lower():
+            raise MeshError(f"{path}: cut off: a text STL ends with the word endsolid; copy or export it again")
+        return
+    if all(byte in _TEXT for byte in start):
+        raise MeshError(f"{path}: is text, but no STL; export the mesh again")
+    if len(start) < _STL_HEADER_BYTES:
+        raise MeshError(f"{path}: cut off: {size} bytes, an STL has at least 84; copy or export it again")
+    raise MeshError(f"{path}: cut off: the header counts {count} triangles, it holds {held}; copy or export it again")

@@ -106,4 +106,5 @@ def read_cad(path: Path, chord_mm: float = _CHORD_MM) -> LastSource:
         joined_lines(named),
         "millimeters",
         (f"{path.suffix[1:]}: lengths in mm by the file's unit",),
+        states_unit=True,
     )

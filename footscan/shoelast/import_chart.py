@@ -14,6 +14,7 @@ from scipy.sparse.linalg import splu
 from footscan.coordinates import Bools, Floats, Ints
 
 _FLOOR = 0.05
+_STEP_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,19 @@ def loop_shares(xyz: Floats, heel: int, toe: int) -> Floats:
     out = _rising(u[: half + 1])[:-1]
     back = _rising(np.append(u[half:], 0.0)[::-1])[::-1][:-1]
     return np.roll(np.concatenate([out, np.mod(1.0 - back, 1.0)]), heel)
+
+
+def smoothed_loop(xyz: Floats, sigma_mm: float) -> Floats:
+    """A closed line `(k, 3)` averaged along itself with a Gaussian, at its own vertices."""
+    closed = np.vstack([xyz, xyz[:1]])
+    walked = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    count = int(np.ceil(walked[-1] / (_STEP_SHARE * sigma_mm)))
+    places = walked[-1] * np.arange(count) / count
+    even = np.stack([np.interp(places, walked, closed[:, k]) for k in range(3)], axis=1)
+    damping = np.exp(-0.5 * (2.0 * np.pi * np.fft.rfftfreq(count, walked[-1] / count) * sigma_mm) ** 2)
+    smooth = np.fft.irfft(np.fft.rfft(even, axis=0) * damping[:, None], count, axis=0)
+    at = np.append(places, walked[-1])
+    return np.stack([np.interp(walked[:-1], at, np.append(smooth[:, k], smooth[0, k])) for k in range(3)], axis=1)
 
 
 def _rising(values: Floats) -> Floats:

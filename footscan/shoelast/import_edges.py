@@ -229,7 +229,8 @@ def _check(xyz: Floats, feather: Ints, rim: Ints, feather_turn: Floats) -> None:
     if cone[1] > _WIDEST_CONE_MM:
         raise MeshError(
             f"the flat top is {cone[1]:.0f} mm wide; a last's cone top has at most {_WIDEST_CONE_MM:.0f} mm: "
-            "this looks like a foot cut off above the ankle, not like a last (`footscan measure` reads feet)."
+            "this looks like a foot cut off above the ankle (`footscan measure` reads feet), or a last sawn off below "
+            "its cone; export the whole last."
         )
     length = np.ptp(xyz[feather], axis=0)
     if length[0] < 0.8 * np.ptp(xyz[:, 0]) or np.degrees(np.median(feather_turn)) < 15.0:

@@ -9,17 +9,16 @@ from footscan.coordinates import Bools, Floats, Ints, Side
 from footscan.errors import MeshError, QualityError
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.dimensions import with_points_and_lines
-from footscan.shoelast.import_chart import chart_upper, loop_shares
+from footscan.shoelast.import_chart import chart_upper, loop_shares, smoothed_loop
 from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves
 from footscan.shoelast.import_edges import SHARP_RAD, Regions, find_regions
 from footscan.shoelast.import_fit import EdgeLine, FittedUpper, fit_disc, fit_upper
+from footscan.shoelast.import_knobs import turned_attachments, without_attachments
 from footscan.shoelast.import_pose import (
     check_length,
     check_whole,
     heading_of,
     rough_frame,
-    turned_attachments,
-    without_attachments,
 )
 from footscan.shoelast.import_repair import RepairedLast, check_crossings, repair_last, without_holes
 from footscan.shoelast.model import Shoelast
@@ -31,6 +30,8 @@ FIT_LIMIT_MM, EDGE_LIMIT_MM = 0.05, 0.15
 """What an import is meant to reach (RMS); what it did reach is in the remarks, and far beyond it is refused."""
 _REFUSED_MM = 0.5
 _STRAIGHT_MM = 4.0
+_QUIET_MM = 1.0
+"""Noise of an edge is smoothed over so much of it before its halves are paired; at its ends noise would decide."""
 _EDGE_SAMPLES = 60000
 
 
@@ -64,7 +65,7 @@ def shoelast_from_mesh(
         QualityError: The patches do not follow the mesh.
     """
     extent = _extent(np.asarray(source.mesh.vertices, dtype=np.float64))
-    check_length(extent, unit)
+    check_length(extent, unit, stated=source.states_unit)
     repaired = repair_last(source.mesh)
     frame = rough_frame(repaired.xyz, repaired.faces, side)
     laid = _laid(repaired, frame)
@@ -145,7 +146,8 @@ def _from_heel(xyz: Floats, loop: Ints) -> tuple[Ints, EdgeLine]:
     area = np.sum(places[:, 0] * np.roll(places[:, 1], -1) - np.roll(places[:, 0], -1) * places[:, 1])
     if area > 0:
         loop, places = loop[::-1], places[::-1]
-    u = loop_shares(places, int(places[:, 0].argmin()), int(places[:, 0].argmax()))
+    quiet = smoothed_loop(places, _QUIET_MM)
+    u = loop_shares(quiet, int(quiet[:, 0].argmin()), int(quiet[:, 0].argmax()))
     return loop, EdgeLine(places, u)
 
 

@@ -1,39 +1,33 @@
-"""Roughly upright: which way a last points, from its shape alone; and its chuck stub and toe centre cut off."""
-
-from dataclasses import dataclass
+"""Roughly upright: which way a last points, from its shape alone; and whether it is whole."""
 
 import numpy as np
-import trimesh
 
 from footscan.coordinates import Bools, Floats, Ints, Side
 from footscan.errors import MeshError
 from footscan.foot.crossing import convex_hull
-from footscan.foot.sections import cut_shell
-from footscan.foot.shell import Shell
 from footscan.foot.units import UNITS, mm_from_unit
 from footscan.shoelast.design import SEAT_SHARE
-from footscan.shoelast.mesh_topology import face_normals, pieces, usual_direction
-from footscan.shoelast.model import Attachment
+from footscan.shoelast.mesh_topology import face_normals, usual_direction
 
 LENGTH_MM = (140.0, 400.0)
 _USUAL_MM = (200.0, 345.0)
-_STUB_MM = (8.0, 40.0)
-"""A stub reaches at least and at most this far behind the heel (real ones 16-23)."""
-_STUB_WIDTH_MM = 20.0
-_CENTRE_MM, _CENTRE_WIDTH_MM = (2.5, 15.0), 13.0
 _LARGE_SHARE, _HALF_DEPTH_MM = 0.6, 62.0
-_BASE_MM = 1.0
-"""The last bit of a knob is left out of its outline: it may widen into the last there."""
 _BALL_SHARE = 0.66
 _TABLE_ROUNDS = 2
 _LEANING, _SAME_WAY, _FLAT_MM, _SAWN_SHARE = 0.6, float(np.cos(np.radians(3.0))), 0.4, 0.9
+_PLURAL = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
+_WHOLE = 1000.0
 _FACTORS = (10.0, 25.4, 1000.0)
 """By these a unit is mistaken: cm or m written as if they were mm, or inches."""
-_X = np.array([1.0, 0.0, 0.0])
 
 
-def check_length(extent_mm: float, unit: str) -> None:
+def check_length(extent_mm: float, unit: str, *, stated: bool = False) -> None:
     """Refuse a body that is no last's size, naming the unit it probably is in.
+
+    Args:
+        extent_mm: The longest extent by the unit that was said.
+        unit: The unit that was said: by the person, or by the file.
+        stated: The file states its unit itself, so that the person cannot say another one.
 
     Raises:
         MeshError: Outside `LENGTH_MM`.
@@ -41,11 +35,27 @@ def check_length(extent_mm: float, unit: str) -> None:
     if LENGTH_MM[0] <= extent_mm <= LENGTH_MM[1]:
         return
     number = extent_mm / mm_from_unit(unit)
-    fitting = [one for one in UNITS if _USUAL_MM[0] <= number * mm_from_unit(one) <= _USUAL_MM[1]]
-    advice = f"it is probably in {fitting[0]}: pass --unit {fitting[0]}" if fitting else _wrong_by(extent_mm)
+    fitting = _fitting_units(number)
+    if not fitting:
+        advice = _wrong_by(extent_mm)
+    elif stated:
+        advice = (
+            f"its numbers are probably {_PLURAL[fitting[0]]}: set that unit where the file was made and save it again"
+        )
+    else:
+        advice = f"its numbers are probably {_PLURAL[fitting[0]]}: pass --unit {fitting[0]}"
     raise MeshError(
-        f"the longest extent is {number:.4g} {unit}, a last has {LENGTH_MM[0]:.0f} to {LENGTH_MM[1]:.0f} mm; {advice}."
+        f"the longest extent is {_number(number)} {unit}, a last has {LENGTH_MM[0]:.0f} to {LENGTH_MM[1]:.0f} mm; "
+        f"{advice}."
     )
+
+
+def _fitting_units(number: float) -> list[str]:
+    return [one for one in UNITS if _USUAL_MM[0] <= number * mm_from_unit(one) <= _USUAL_MM[1]]
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if value >= _WHOLE else f"{value:.4g}"
 
 
 def _wrong_by(extent_mm: float) -> str:
@@ -57,8 +67,8 @@ def _wrong_by(extent_mm: float) -> str:
 
 def likely_unit(extent: float) -> str:
     """Words on the unit in which a bare number would be the length of a last."""
-    fitting = [one for one in UNITS if _USUAL_MM[0] <= extent * mm_from_unit(one) <= _USUAL_MM[1]]
-    return f"by its size ({extent:.4g} long) probably --unit {fitting[0]}" if fitting else "its size fits no last"
+    fitting = _fitting_units(extent)
+    return f"by its size ({_number(extent)} long) probably --unit {fitting[0]}" if fitting else "its size fits no last"
 
 
 def rough_frame(xyz: Floats, faces: Ints, side: Side) -> Floats:
@@ -122,78 +132,6 @@ def _heel_in_front(xyz: Floats) -> bool:
     x = (xyz[:, 0] - xyz[:, 0].min()) / np.ptp(xyz[:, 0])
     back, front = (np.ptp(xyz[(x > low) & (x < high), 2]) for low, high in ((0.08, 0.3), (0.7, 0.92)))
     return bool(front > back)
-
-
-@dataclass(frozen=True)
-class Trimmed:
-    """A last without what is no part of it, in the rough frame; `remarks` say what went."""
-
-    xyz: Floats
-    faces: Ints
-    attachments: tuple[Attachment, ...]
-    remarks: tuple[str, ...]
-
-
-def without_attachments(xyz: Floats, faces: Ints, bodies: tuple[trimesh.Trimesh, ...]) -> Trimmed:
-    """Cut off stub and toe centre where they are grown on, and name separate bodies.
-
-    Args:
-        xyz: `(n, 3)` in the rough frame.
-        faces: `(m, 3)` outward.
-        bodies: Other bodies, in the rough frame.
-    """
-    parts: list[Attachment] = []
-    remarks: list[str] = []
-    for kind, where, reach, width in (
-        ("stub", "behind the heel", _STUB_MM, _STUB_WIDTH_MM),
-        ("toe_centre", "at the toe", _CENTRE_MM, _CENTRE_WIDTH_MM),
-    ):
-        sign = 1.0 if kind == "stub" else -1.0
-        found = _knob(xyz, faces, sign, reach, width)
-        if found is None:
-            continue
-        part, faces, length_mm, width_mm = found
-        parts.append(Attachment(kind, trimesh.Trimesh(xyz, part, process=True)))
-        remarks.append(
-            f"a {kind.replace('_', ' ')} {where}, {width_mm:.0f} mm wide and {length_mm:.0f} mm long, was cut off and "
-            "kept apart; the skin under it is bridged"
-        )
-    middle = float(xyz[:, 0].min() + 0.5 * np.ptp(xyz[:, 0]))
-    for body in bodies:
-        kind = "stub" if float(np.asarray(body.vertices)[:, 0].mean()) < middle else "toe_centre"
-        parts.append(Attachment(kind, body))
-        remarks.append(f"a separate body of {len(body.faces)} faces was kept apart as {kind.replace('_', ' ')}")
-    return Trimmed(xyz, faces, tuple(parts), tuple(remarks))
-
-
-def _knob(
-    xyz: Floats, faces: Ints, sign: float, reach: tuple[float, float], widest_mm: float
-) -> tuple[Ints, Ints, float, float] | None:
-    """Faces of a narrow knob at an end, the other faces, and its length and width (mm); None without one."""
-    depth = sign * xyz[:, 0] - (sign * xyz[:, 0]).min()
-    shell = Shell(np.column_stack([depth, xyz[:, 1:]]), faces)
-    steps = np.arange(0.5, reach[1] + 2.0, 0.5)
-    cuts = [cut_shell(shell, step * _X, _X).xyz.reshape(-1, 3) for step in steps]
-    wide = np.array([np.ptp(cut[:, 1]) if len(cut) else 0.0 for cut in cuts])
-    high = np.array([np.ptp(cut[:, 2]) if len(cut) else 0.0 for cut in cuts])
-    least = int(reach[0] / 0.5)
-    if wide[least] > widest_mm or high[least] > 3.0 * widest_mm:
-        return None
-    usual = float(np.median(wide[1:least])), float(np.median(high[1:least]))
-    beyond = np.flatnonzero((wide[least:] > 1.35 * usual[0] + 1.0) | (high[least:] > 1.35 * usual[1] + 1.0))
-    if len(beyond) == 0:
-        return None
-    length = float(steps[least + beyond[0]]) - 0.25
-    inside = np.vstack([cut for cut, step in zip(cuts, steps, strict=True) if step < length - _BASE_MM])
-    low, top = inside.min(axis=0) - 0.8, inside.max(axis=0) + 0.8
-    within = ((shell.xyz[:, 1:] > low[1:]) & (shell.xyz[:, 1:] < top[1:])).all(axis=1) & (depth < length + 12.0)
-    gone = within[faces].any(axis=1)
-    count, label = pieces(faces[~gone])
-    area = np.bincount(label, weights=face_normals(xyz, faces[~gone])[1], minlength=count)
-    keep = np.flatnonzero(~gone)[label == area.argmax()]
-    rest = np.ones(len(faces), dtype=np.bool_)
-    rest[keep] = False
-    return faces[rest], faces[keep], length, usual[0]
 
 
 def check_whole(xyz: Floats, faces: Ints, rims: list[Floats]) -> tuple[str, ...]:
@@ -284,8 +222,3 @@ def heading_of(xyz_edge: Floats) -> Floats:
         step[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
         turn = step @ turn
     return turn
-
-
-def turned_attachments(parts: tuple[Attachment, ...], turn: Floats) -> tuple[Attachment, ...]:
-    """Attachments under a 4x4."""
-    return tuple(Attachment(part.kind, part.mesh.copy().apply_transform(turn)) for part in parts)

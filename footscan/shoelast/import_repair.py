@@ -19,6 +19,8 @@ from footscan.shoelast.mesh_topology import (
 from footscan.shoelast.seams import with_closed_seams
 
 _WELD_MM, _SEAM_MM = 0.02, 0.05
+_SHARED = 0.2
+"""A file with more pieces per face shares no vertices at all, as STL: its pieces say nothing."""
 _CRUMB_SHARE = 0.004
 """Of the area of the largest piece: less is a crumb, more a body of its own (a stub, a toe centre)."""
 _ANOTHER_LAST_SHARE = 0.3
@@ -52,15 +54,20 @@ def repair_last(mesh: trimesh.Trimesh) -> RepairedLast:
     remarks: list[str] = []
     xyz, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     finite = np.logical_and.reduce(np.isfinite(xyz), axis=1)
-    faces = faces[finite[faces].all(axis=1)]
+    placed = finite[faces].all(axis=1)
+    if not placed.all():
+        remarks.append(f"{int((~placed).sum())} faces with corners that have no place (NaN) were left out")
+    faces = faces[placed]
     if len(faces) < 500:
         raise MeshError(f"{len(faces)} triangles are no digitised last, which has thousands; export it finer.")
+    loose = pieces(faces)[0]
     xyz, faces = _exactly_joined(np.where(np.isfinite(xyz), xyz, 0.0), faces)
-    before = pieces(faces)[0]
+    faces = _single(faces, remarks)
+    before = loose if loose < _SHARED * len(faces) else pieces(faces)[0]
     xyz, faces = with_closed_seams(xyz, faces, _WELD_MM, _SEAM_MM)
     faces = _single(faces, remarks)
-    faces = _manifold(xyz, faces, remarks)
     joined = pieces(faces)[0]
+    faces = _manifold(xyz, faces, remarks)
     if joined < before:
         remarks.append(f"{before} loose fragments were joined into {joined}")
     faces, bodies = _bodies(xyz, faces, remarks)

@@ -100,14 +100,14 @@ def _source(path: Path, found: _Found, unit: str) -> LastSource:
         )
     if not parts:
         raise MeshError(
-            f"{path} holds no visible mesh or surface ({len(found.curves)} curves, {found.hidden} hidden objects, "
-            f"{found.blocks} blocks); show or explode the last in Rhino and save it again."
+            f"{path} holds no visible mesh or surface, only {len(found.curves)} curves, {found.hidden} hidden objects "
+            f"and {found.blocks} blocks; a last needs surfaces or a mesh: show or explode them in Rhino, save it again."
         )
     starts = np.cumsum([0, *(len(xyz) for xyz, _ in parts)])
     xyz = np.vstack([points for points, _ in parts]) * _MM[unit]
     faces = np.vstack([corners + start for (_, corners), start in zip(parts, starts, strict=False)])
     lines = joined_lines([(name, curve * _MM[unit]) for name, curve in found.curves])
-    return LastSource(trimesh.Trimesh(xyz, faces, process=False), lines, unit.lower(), tuple(remarks))
+    return LastSource(trimesh.Trimesh(xyz, faces, process=False), lines, unit.lower(), tuple(remarks), True)
 
 
 def _same_body(found: _Found, mm: float) -> bool:

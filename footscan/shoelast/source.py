@@ -29,12 +29,14 @@ class LastSource:
             by their own names: `(n, 3)` mm polylines; a closed one ends where it begins.
         unit: Of the file, as it says itself, or as the caller said.
         remarks: What was left out or taken on trust.
+        states_unit: The file says its unit itself.
     """
 
     mesh: trimesh.Trimesh
     lines: Mapping[str, Floats] = field(default_factory=dict[str, Floats])
     unit: str = "mm"
     remarks: tuple[str, ...] = ()
+    states_unit: bool = False
 
 
 def line_name(*words: str) -> str | None:

@@ -10,10 +10,12 @@ import trimesh
 
 from footscan.errors import MeshError
 from footscan.foot.mesh_file import load_foot_mesh
+from footscan.shoelast.crossing_faces import crossing_faces
 from footscan.shoelast.dimensions import dimensions
 from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.import_knobs import without_attachments
 from footscan.shoelast.import_last import ImportFit, shoelast_from_mesh
-from footscan.shoelast.import_pose import check_length, likely_unit
+from footscan.shoelast.import_pose import check_length, likely_unit, rough_frame
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.skin import CONE_TOP, Sampling, skin_of
 from footscan.shoelast.source import LastSource
@@ -142,7 +144,8 @@ def test_a_left_last_is_not_taken_for_a_right_one(truth: Shoelast):
     ("normal", "origin", "words"),
     [
         ([-1, 0, 0], [180, 0, 0], "cut off across|part of the last|length over width"),
-        ([0, 1, 0], [0, 0, 0], "cut off lengthwise|part of the last|length over width"),
+        ([0, 1, 0], [0, 0, 0], "cut off lengthwise|part of the last"),
+        ([0, -1, 0], [0, 0, 0], "cut off lengthwise|part of the last"),
     ],
 )
 @pytest.mark.parametrize("cap", [True, False])
@@ -159,6 +162,66 @@ def test_a_last_without_its_sole_is_refused(truth: Shoelast):
 
     with pytest.raises(MeshError, match="sole is missing"):
         imported(trimesh.Trimesh(mesh.vertices, mesh.faces[~bottom], process=False), "left")
+
+
+@pytest.mark.parametrize("lean_deg", [-20.0, 0.0, 20.0])
+def test_a_stub_is_cut_off_however_it_leans_on_a_high_heel(lean_deg: float):
+    high = build_shoelast("women", 38, "g", 50, "almond")
+    box = trimesh.creation.box(extents=[32.0, 14.0, 20.0])
+    box.apply_translation([-4.0, 0.0, 0.0])
+    box.apply_transform(trimesh.transformations.rotation_matrix(np.radians(lean_deg), [0, 1, 0]))
+    box.apply_translation(high.points["rear_point"] + np.array([0.0, 0.0, 4.0]))
+    skin = skin_of(high, COARSE)
+    body, stub = (
+        manifold3d.Manifold(manifold3d.Mesh64(np.ascontiguousarray(v), np.ascontiguousarray(f, dtype=np.uint64)))
+        for v, f in ((skin.xyz_shoelast, skin.faces), (box.vertices, box.faces))
+    )
+    mesh = (body + stub).to_mesh64()
+    xyz, faces = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+    frame = rough_frame(xyz, faces, "right")
+
+    trimmed = without_attachments(xyz @ frame[:3, :3].T + frame[:3, 3], faces, ())
+
+    assert [part.kind for part in trimmed.attachments] == ["stub"]
+    back = frame[:3, :3].T @ (trimmed.xyz[np.unique(trimmed.faces)] - frame[:3, 3]).T
+    assert back[0].min() == pytest.approx(skin.xyz_shoelast[:, 0].min(), abs=1.0)
+
+
+def test_a_clean_last_has_no_stub_and_no_toe_centre():
+    skin = skin_of(build_shoelast("women", 36, "f", 60, "almond"), Sampling(160, 60, 20))
+    frame = rough_frame(skin.xyz_shoelast, skin.faces, "right")
+
+    trimmed = without_attachments(skin.xyz_shoelast @ frame[:3, :3].T + frame[:3, 3], skin.faces, ())
+
+    assert trimmed.attachments == ()
+
+
+def test_a_body_that_is_neither_behind_nor_before_the_last_is_left_out(truth: Shoelast):
+    skin = skin_of(truth, COARSE)
+    ball = trimesh.creation.icosphere(3, 8.0).apply_translation([150.0, 0.0, 20.0])
+
+    trimmed = without_attachments(skin.xyz_shoelast, skin.faces, (ball,))
+
+    assert trimmed.attachments == ()
+    assert "neither behind the heel nor at the toe" in trimmed.remarks[0]
+
+
+def test_faces_beside_each_other_in_one_plane_do_not_cross():
+    rng = np.random.default_rng(4)
+    turn = trimesh.transformations.random_rotation_matrix(rng.random(3))[:3, :3]
+    x = np.sort(rng.uniform(0, 250, 400))
+    rails = [np.column_stack([x, np.full(400, y), np.zeros(400)]) @ turn.T for y in (-40.0, 0.0, 0.0, 40.0)]
+    a = np.arange(399)
+    strip = np.vstack([np.column_stack([a, a + 1, a + 400]), np.column_stack([a + 1, a + 401, a + 400])])
+
+    crossing = crossing_faces(np.vstack(rails), np.vstack([strip, strip + 800]))
+
+    assert not crossing.any()
+
+
+def test_a_file_that_states_its_unit_is_to_be_corrected_where_it_was_made():
+    with pytest.raises(MeshError, match=r"11\.23 mm.*probably inches: set that unit where the file was made"):
+        check_length(11.23, "mm", stated=True)
 
 
 def test_two_lasts_in_one_file_are_refused(truth: Shoelast):
