@@ -25,6 +25,8 @@ from footscan.workflow.lasts_fit import (
     custom_json,
     customise_pair,
     load_foot,
+    load_pair,
+    pair_ranking_json,
     ranking_json,
     save_custom,
 )
@@ -69,16 +71,19 @@ def rank_command(
         prepared = load_foot(foot, unit, side)
         entries = [entry for entry in _library(data).entries() if style in (None, entry.style)]
         if other is None:
-            ranking = rank(entries, prepared, profile)
+            ranking, pairs = rank(entries, prepared, profile), None
         else:
             feet = sorted((prepared, load_foot(other, unit, None)), key=lambda one: one.side)
-            pairs = rank_pair(entries, (feet[0], feet[1]), profile)
-            ranking = [one for pair in pairs for one in pair]
+            ranking, pairs = [], rank_pair(entries, (feet[0], feet[1]), profile)
     if json_only:
-        print_json(ranking_json(ranking))
+        print_json(ranking_json(ranking) if pairs is None else pair_ranking_json(pairs))
         return
     for one in ranking[:most]:
         STDOUT.print(_row(one), soft_wrap=True)
+    for pair in (pairs or ())[:most]:
+        STDOUT.print(f"{sum(one.score for one in pair):8.3f}  both feet")
+        for one in pair:
+            STDOUT.print(f"  {_row(one)}", soft_wrap=True)
 
 
 def _row(one: Ranked) -> str:
@@ -184,8 +189,7 @@ def customise_command(
             assert foot is not None
             made = {out: customise(shoelast, load_foot(foot, unit, side), profile, settings)}
         else:
-            feet = (load_foot(pair[0], unit, "left"), load_foot(pair[1], unit, "right"))
-            both = customise_pair(shoelast, feet, profile, settings)
+            both = customise_pair(shoelast, load_pair(pair, unit), profile, settings)
             made = {out / "left": both[0], out / "right": both[1]}
     if json_only:
         print_json(

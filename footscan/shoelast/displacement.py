@@ -30,7 +30,7 @@ from footscan.shoelast.widening import find_widening
 sparse: Any = scipy_sparse
 MESH_CHORD_MM = 0.017
 """Largest chord error of the mesh when it is laid out; the corrections after that leave it within 0.02 mm."""
-MOST_ROUNDS, _MORE_ROUNDS = 8, 4
+MOST_ROUNDS, _MORE_ROUNDS, _GIRTH_ROUNDS = 8, 4, 2
 _RAISED_MM, _ENOUGH_MM, _BESIDE_MM = 0.05, 0.03, 0.05
 """Room beyond the least that is asked where the mesh lacked, for its facets; what a round leaves alone."""
 _DOUBTFUL_MM = 0.3
@@ -93,12 +93,11 @@ class DisplacementTask:
         return (need.of(need.known & (need.move_mm > ASKS_MM)),)
 
     def _first(self, asked: Asked) -> Displaced:
-        """The smoothest displacement; wanted girths are looked at once more on the last that it makes."""
+        """The smoothest displacement; wanted girths are pulled at twice on the last that it makes."""
         case = self.case
         unknowns = find_unknowns(self._free(), asked.fixed, asked.least, case.coarse, asked.wanted)
-        girths = self._girths(np.zeros(case.chart.shape), self.skin, self.mesh)
-        found = self._solve(unknowns, asked.rows, (*asked.pulls, *girths))
-        if self._wanted_girths:
+        found = self._solve(unknowns, asked.rows, asked.pulls)
+        for _ in range(_GIRTH_ROUNDS if self._wanted_girths else 0):
             state = self._state(found, self.breaks)
             girths = self._girths(found, state.skin, state.mesh)
             found = self._solve(unknowns, asked.rows, (*asked.pulls, *girths))

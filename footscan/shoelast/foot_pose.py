@@ -25,6 +25,8 @@ _HEEL, _MIDFOOT, _HALLUX, _TOES = 0.13, 0.45, 0.86, 0.95
 """Middle of the heel, midfoot joint, hallux joint and middle of the toes, as shares of the foot length."""
 _BACK_HEIGHT_MM = 20.0
 _LINE = 801
+_THROUGH_MM = 1.0
+"""A sole that stands further below the bottom than this is told."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def pose_foot(
     placed = _set_down(bent, ground, back, ends[0], ball)
     shell = Shell(placed(foot.shell.xyz), foot.shell.faces, foot.shell.origin)
     points = {name: placed(xyz[None])[0] for name, xyz in foot.points.items()}
-    remarks = (UNPROVEN, *(_stiff_remarks(joints, ground, placed, length)))
+    remarks = (UNPROVEN, *(_stiff_remarks(joints, ground, placed, length, stack)))
     return PosedFoot(foot, shell, points, bend, stack, _changes(foot, placed, shell), remarks)
 
 
@@ -162,7 +164,9 @@ def _set_down(bent: BentFoot, ground: _Ground, back: float, heel: float, ball: f
     return PlacedFoot(bent, turn, shift)
 
 
-def _stiff_remarks(joints: Joints, ground: _Ground, placed: PlacedFoot, length: float) -> tuple[str, ...]:
+def _stiff_remarks(
+    joints: Joints, ground: _Ground, placed: PlacedFoot, length: float, stack: InsoleStack
+) -> tuple[str, ...]:
     """Where the sole stands off or dips in because joints could not bend far enough."""
     stiff = [f"{name} {getattr(joints, name)}" for name in (*JOINTS, "ankle") if getattr(joints, name) != "free"]
     if not stiff:
@@ -172,7 +176,15 @@ def _stiff_remarks(joints: Joints, ground: _Ground, placed: PlacedFoot, length: 
     gap = sole[:, 2] - ground.height(sole[:, 0])
     worst = int(np.abs(gap).argmax())
     where = "above" if gap[worst] > 0 else "below"
-    return (f"{', '.join(stiff)}: at {x[worst]:.0f} mm the sole lies {abs(gap[worst]):.1f} mm {where} the insole.",)
+    said = f"{', '.join(stiff)}: at {x[worst]:.0f} mm the sole lies {abs(gap[worst]):.1f} mm {where} the insole"
+    through = -gap - stack.at(x / length)
+    deepest = int(through.argmax())
+    if through[deepest] <= _THROUGH_MM:
+        return (f"{said}.",)
+    return (
+        f"{said}; at {x[deepest]:.0f} mm it would stand {through[deepest]:.1f} mm below the last's bottom. Take a last "
+        "with less toe spring or pitch, or a thicker insole there: the bottom is held and the sole is not proved.",
+    )
 
 
 def _changes(foot: PreparedFoot, placed: PlacedFoot, shell: Shell) -> dict[str, float]:

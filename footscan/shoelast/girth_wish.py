@@ -84,13 +84,16 @@ def _pull(
     pulling = _units(behind) - _units(ahead)
     normal = near.normal @ axes
     slope = (pulling * normal).sum(axis=1) / np.maximum((normal**2).sum(axis=1), _LEAST_IN_PLANE)
+    slope = np.maximum(slope, 0.0)  # at the feather edge the nearest face may look past the tape: no material, no way
     along = (near.normal * evaluate_at(chart.direction, u, v).xyz_mm).sum(axis=1)
     row: Sparse = sparse.csr_matrix((slope * along * on_upper)[None]) @ chart.rows(u, v)
-    missing = wanted - hull_perimeter_mm(flat)
+    missing = max(wanted - hull_perimeter_mm(flat), -_MOST_LESS_MM)
     return Pull(row, missing + row @ coefficients.ravel(), np.array([_WEIGHT]))
 
 
 _LEAST_IN_PLANE = 0.2
+_MOST_LESS_MM = 4.0
+"""Less is asked at once at most: a girth far below what the foot leaves would drown everything else in the solver."""
 
 
 def _units(way: Floats) -> Floats:

@@ -226,6 +226,16 @@ def test_a_wanted_girth_is_met_and_the_foot_still_held(smoothed: CustomLast):
     assert smoothed.proof.holds
 
 
+def test_a_girth_smaller_than_the_foot_leaves_is_a_wish_not_met(shoelast: Shoelast, foot: PreparedFoot):
+    tight = CustomSettings(transition_mm=20.0, girths_mm={"ball_girth": 230.0})
+
+    found = customise(shoelast, foot, "therapeutic", tight)
+
+    assert found.proof.holds
+    assert found.overshoot_mm < 4.0
+    assert any("ball_girth" in one and "230.0" in one for one in found.unmet)
+
+
 def test_smoothing_makes_a_copy_fairer_within_its_limit_and_keeps_what_was_held(smoothed: CustomLast):
     done = smoothed.smoothing
 

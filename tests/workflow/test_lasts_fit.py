@@ -8,12 +8,13 @@ import pytest
 import trimesh
 from geomdl import exchange
 
+from footscan.errors import InputError
 from footscan.shoelast.customise import CustomSettings
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.prepared_foot import prepare_foot
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
-from footscan.workflow.lasts_fit import CUSTOM_FILES, customise_pair, save_custom
+from footscan.workflow.lasts_fit import CUSTOM_FILES, customise_pair, load_pair, save_custom
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +28,16 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     for custom, name in zip(pair, ("left", "right"), strict=True):
         save_custom(custom, place / name)
     return place / "left", place / "right"
+
+
+def test_feet_given_the_wrong_way_round_are_refused(tmp_path: Path):
+    for side in ("left", "right"):
+        (tmp_path / side).mkdir()
+        said = {"side": side, "subject": {"load": "unknown", "absent": []}}
+        (tmp_path / side / "scan.json").write_text(json.dumps(said), encoding="utf-8")
+
+    with pytest.raises(InputError, match="left foot first"):
+        load_pair((tmp_path / "right", tmp_path / "left"), "mm")
 
 
 def test_everything_promised_is_there(folders: tuple[Path, Path]):
