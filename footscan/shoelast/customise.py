@@ -21,6 +21,9 @@ from footscan.shoelast.registration import register
 
 __all__ = ["CustomSettings", "customise"]
 REGISTERING = 9000
+MOST_OUTSIDE_MM, DRAWN_IN_MM = 0.01, 0.5
+"""What moves further beyond the transition length, between the places at which the change was looked at, is found once
+more with the change ending this much sooner: one foot in fifty."""
 
 
 def customise(
@@ -54,7 +57,10 @@ def customise(
         check_size(shoelast, posed, registration)
         case = build_case(ready.result(), judge_foot(shoelast, posed), profile, settings)
         before = beside.submit(measure_standard, case.shoelast)
-        return DisplacementTask(case).solved(registration, before)
+        found = DisplacementTask(case).solved(registration, before)
+        if found.outside_mm <= MOST_OUTSIDE_MM:
+            return found
+        return DisplacementTask(case, DRAWN_IN_MM).solved(registration, before)
 
 
 def _profile(clearance: Profile | str | float) -> Profile:

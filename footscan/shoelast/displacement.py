@@ -43,9 +43,14 @@ _RISE_REACH = 3.0
 class DisplacementTask:
     """The displacement of one case."""
 
-    def __init__(self, case: FitCase) -> None:
-        """Begin with the standard last's mesh."""
-        self.case = case
+    def __init__(self, case: FitCase, drawn_in_mm: float = 0.0) -> None:
+        """Begin with the standard last's mesh.
+
+        Args:
+            case: Last and foot.
+            drawn_in_mm: How much nearer than the transition length the change has to end.
+        """
+        self.case, self._reach_mm = case, case.transition_mm - drawn_in_mm
         self.breaks, self.skin, self.mesh = case.breaks, case.skin, case.mesh
         self._fine: Ints = np.empty(0, dtype=np.int64)
 
@@ -65,7 +70,7 @@ class DisplacementTask:
         bridged = self._bridged()
         for one in bridged:
             asked = with_bridged(case, asked, one)
-        self._near = case.region.near(asked.places, case.transition_mm)
+        self._near = case.region.near(asked.places, self._reach_mm)
         doubtful = some[signed_mm + case.room.least_mm[some] > -self._most_loss(asked) - _DOUBTFUL_MM]
         state = self._first(asked)
         state, signed, asked, rounds = self._raised_until_held(asked, state, doubtful, MOST_ROUNDS)
@@ -133,7 +138,7 @@ class DisplacementTask:
         """The smoothest rise that gives room where it lacks, beside what is there already."""
         case = self.case
         places = case.on_upper(raised)
-        self._near |= case.region.near(places, case.transition_mm)
+        self._near |= case.region.near(places, self._reach_mm)
         free = self._free() & case.region.free(case.region.near(places, _RISE_REACH * case.transition_mm))
         wanted = case.chart.rows(raised.u, raised.v)
         none = np.zeros(case.chart.shape)

@@ -92,7 +92,7 @@ def _pull(
 
 
 _LEAST_IN_PLANE = 0.2
-_MOST_LESS_MM = 1.0
+_MOST_LESS_MM = 3.0
 """Less is asked at once at most: a girth far below what the foot leaves would drown everything else in the solver."""
 
 

@@ -232,7 +232,7 @@ def test_a_girth_smaller_than_the_foot_leaves_is_a_wish_not_met(shoelast: Shoela
     found = customise(shoelast, foot, "therapeutic", tight)
 
     assert found.proof.holds
-    assert found.overshoot_mm < 4.0
+    assert found.dimensions["ball_girth"][1] < 249.0
     assert any("ball_girth" in one and "230.0" in one for one in found.unmet)
 
 
