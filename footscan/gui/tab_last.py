@@ -16,7 +16,7 @@ from footscan.errors import FootscanError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
 from footscan.gui.inspected import InspectedFoot, open_foot
-from footscan.gui.last_choice import FittedLast, LastChoice
+from footscan.gui.last_choice import LastChoice
 from footscan.gui.last_tables import proof_words, ranking_table, room_tables
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
@@ -260,10 +260,6 @@ class LastTab:
         self._desk.job(
             texts.JOB_EXPORT, work, lambda content: client.send_file_download(name, content, save_immediately=True)
         )
-
-
-def _room(fitted: FittedLast | None) -> str:
-    return "" if fitted is None else _box(room_tables(fitted.comparison, fitted.last_id))
 
 
 def _unchanged(choice: LastChoice) -> str:
