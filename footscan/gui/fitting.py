@@ -61,7 +61,7 @@ class Fitting:
 
         Raises:
             InputError: No such last, or the wrong side.
-            QualityError: The last's pitch needs a scan on a wedge.
+            QualityError: The last's pitch is more than a scan can be bent to.
         """
         shoelast = self.shelf.load(last_id)
         found = compare(shoelast, self.prepared(foot), profile)

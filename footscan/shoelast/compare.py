@@ -120,7 +120,7 @@ def compare(
 
     Raises:
         InputError: The wrong side, an unknown profile, or a mesh that is no foot.
-        QualityError: The last's pitch needs a scan on a wedge.
+        QualityError: The last's pitch is more than a scan can be bent to.
     """
     wanted = load_profile(profile) if isinstance(profile, str) else profile
     prepared = prepare_foot(foot, shoelast.side) if isinstance(foot, trimesh.Trimesh) else foot

@@ -89,14 +89,14 @@ def pose_foot(
     """
     stack, joints = stack or InsoleStack(), joints or Joints()
     line = bottom_line(shoelast)
-    _check_pitch(foot, shoelast, stack)
+    _check_pitch(shoelast, stack)
     length, ball = foot.value("foot_length"), ball_place(foot)
     places = np.array([_MIDFOOT * length, ball, max(_HALLUX * length, ball + 0.06 * length)])
     ends = (_HEEL * length, max(_TOES * length, places[2] + 0.03 * length))
     back = float(shoelast.points["rear_point"][0])
     ground = _ground(line, back, stack, length)
     wanted, raised = _wanted(ground, places, ends)
-    bend = fit_bend(joints, places, ends, length, wanted, raised - foot.wedge_mm)
+    bend = fit_bend(joints, places, ends, length, wanted, raised)
     neutral = 0.5 * (foot.measurements["ball_height"].value or 0.14 * length)
     bent = BentFoot(bend, ball, neutral, length, float(foot.shell.xyz[:, 0].max()))
     placed = _set_down(bent, ground, back, ends[0], ball)
@@ -111,15 +111,15 @@ def ball_place(foot: PreparedFoot) -> float:
     return float(0.5 * (foot.points["metatarsale_tibiale"][0] + foot.points["metatarsale_fibulare"][0]))
 
 
-def _check_pitch(foot: PreparedFoot, shoelast: Shoelast, stack: InsoleStack) -> None:
+def _check_pitch(shoelast: Shoelast, stack: InsoleStack) -> None:
     """Refuse a bend further than a flat scan allows."""
     pitch = float(shoelast.points["seat_point"][2] - shoelast.points["tread_point"][2])
     wanted = pitch + stack.heel_mm - stack.ball_mm
-    if abs(wanted - foot.wedge_mm) > MOST_BENT_MM:
-        stood = f"on a wedge of {foot.wedge_mm:.0f} mm" if foot.wedge_mm else "on the flat board"
+    if abs(wanted) > MOST_BENT_MM:
         raise QualityError(
-            f"the last {shoelast.name} stands on a pitch of {pitch:.0f} mm and the foot was scanned {stood}: a scan is "
-            f"bent by at most {MOST_BENT_MM:.0f} mm. Scan the foot on a wedge about as high as the pitch."
+            f"the last {shoelast.name} stands on a pitch of {pitch:.0f} mm and the foot was scanned on the flat board: "
+            f"a scan is bent by at most {MOST_BENT_MM:.0f} mm, and scans on a wedge are not fitted yet. Take a last "
+            "with a lower pitch."
         )
 
 

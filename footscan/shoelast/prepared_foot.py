@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 
 from footscan.coordinates import Bools, Floats, Side
-from footscan.errors import MeshError
+from footscan.errors import MeshError, QualityError
 from footscan.foot.measurements import Measurements, measure
 from footscan.foot.repair import repair_shell
 from footscan.foot.shell import Shell, area_mm2, moved, shell_from_mesh
@@ -15,6 +15,8 @@ from footscan.foot.skin_origin import Origin
 
 _CAP_MM, _LEVEL = 1.0, 0.9
 """A face this near to the highest skin whose normal points up more than this is the lid of a cut, not skin."""
+_FLAT_MM = 2.0
+"""The heel may stand higher than the ball by this much in a scan that counts as flat."""
 NEEDED = ("foot_length", "ball_length", "ball_girth", "foot_breadth")
 
 
@@ -29,7 +31,6 @@ class PreparedFoot:
         points: Landmarks in the foot frame, name -> `(3,)`.
         measurements: All of them.
         foot_from_input: 4x4 from the coordinates of the mesh that was given.
-        wedge_mm: How high the heel stood on a wedge during the scan; 0 on the flat board.
     """
 
     side: Side
@@ -38,7 +39,6 @@ class PreparedFoot:
     points: Mapping[str, Floats]
     measurements: Measurements
     foot_from_input: Floats
-    wedge_mm: float = 0.0
 
     def value(self, name: str) -> float:
         """A measurement that fitting cannot do without (`NEEDED`), in its unit.
@@ -66,11 +66,14 @@ def prepare_foot(
         side: The operator's word; None takes the side of the shape.
         load: How it was loaded, as somebody said.
         absent: Missing parts.
-        wedge_mm: Height of a wedge under the heel during the scan; None or 0 for the flat board.
+        wedge_mm: Height of a wedge under the heel during the scan; None or 0 for the flat board. Scans on a wedge are
+            refused.
 
     Raises:
         MeshError: The mesh is no foot.
+        QualityError: It was scanned on a wedge: its landmarks would be sought at the wrong heights.
     """
+    _check_flat(wedge_mm or 0.0)
     measured = measure(mesh, side, load=load, absent=absent)
     repaired = repair_shell(shell_from_mesh(mesh))
     shell = moved(repaired.shell, measured.foot_from_input)
@@ -78,9 +81,17 @@ def prepare_foot(
     seen[repaired.bridged] = False
     points = {name: _in_frame(mark.xyz, measured.foot_from_input) for name, mark in measured.landmarks.items()}
     face_seen = seen[shell.faces].all(axis=1) & ~_is_lid(shell)
-    return PreparedFoot(
-        measured.side, shell, face_seen, points, measured, measured.foot_from_input, float(wedge_mm or 0.0)
-    )
+    return PreparedFoot(measured.side, shell, face_seen, points, measured, measured.foot_from_input)
+
+
+def _check_flat(wedge_mm: float) -> None:
+    """Refuse what cannot be measured: with a raised heel, landmarks are not at the heights where they are sought."""
+    if wedge_mm > _FLAT_MM:
+        raise QualityError(
+            f"the foot was scanned with its heel on a wedge of {wedge_mm:g} mm: feet on a wedge cannot be measured or "
+            f"laid into a last yet, at most {_FLAT_MM:g} mm. Scan it on the flat board and take a last with a lower "
+            "pitch."
+        )
 
 
 def _in_frame(xyz: Floats, foot_from_input: Floats) -> Floats:

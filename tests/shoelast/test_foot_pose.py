@@ -1,4 +1,4 @@
-"""A flat foot is bent on to a last: sections keep their area, joints obey, and a high pitch needs a wedge."""
+"""A flat foot is bent on to a last: sections keep their area, joints obey, and what cannot be bent is refused."""
 
 import numpy as np
 import pytest
@@ -64,8 +64,15 @@ def test_a_fused_joint_does_not_bend_and_it_is_said(foot: PreparedFoot, shoelast
     assert UNPROVEN in posed.remarks
 
 
-def test_a_pitch_of_50_mm_needs_a_scan_on_a_wedge(foot: PreparedFoot):
+def test_a_foot_scanned_on_a_wedge_is_refused_before_it_is_measured_wrongly():
+    mesh = trimesh_from_surface(build_foot(FootShape("right", 1.0)))
+
+    with pytest.raises(QualityError, match="wedge of 50 mm"):
+        prepare_foot(mesh, "right", wedge_mm=50.0)
+
+
+def test_a_flat_scan_is_not_bent_to_a_pitch_of_50_mm(foot: PreparedFoot):
     high = build_shoelast("women", 40.0, "g", 50.0)
 
-    with pytest.raises(QualityError, match="wedge"):
+    with pytest.raises(QualityError, match="at most 35 mm"):
         pose_foot(foot, high)
