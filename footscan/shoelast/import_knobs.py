@@ -17,6 +17,7 @@ _BASE_MM = 1.0
 _AROUND_MM, _ROOM_MM, _BEYOND_MM = 25.0, 0.8, 1.0
 _LEANS_RAD = np.radians([0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0])
 """A last was turned about its heel-to-toe axis, which leans against seat and ball by its heel."""
+_NEARER_RAD = np.radians([-6.0, -4.0, -2.0, 2.0, 4.0, 6.0])
 _AS_LONG = 0.85
 _X = np.array([1.0, 0.0, 0.0])
 
@@ -106,19 +107,24 @@ def _named(body: trimesh.Trimesh, back_mm: float, front_mm: float) -> str | None
 
 
 def _find_knob(xyz: Floats, faces: Ints, kind: _Kind) -> _Knob | None:
-    """The knob at an end, looked for along several ways; the least leaning of those along which it is long."""
+    """The knob at an end, looked for along several ways: along the one that it fills most closely."""
     along = kind.sign * xyz[:, 0]
     near = faces[along[faces].min(axis=1) < along.min() + kind.most + _AROUND_MM]
     vertex, place = np.unique(near, return_inverse=True)
     end, corner = xyz[vertex], np.ascontiguousarray(place.reshape(-1, 3))
-    found = [_knob_along(end, corner, kind, lean) for lean in _LEANS_RAD]
+    found = [(lean, _knob_along(end, corner, kind, lean)) for lean in _LEANS_RAD]
     sure = [
-        knob
-        for knob, lean in zip(found, _LEANS_RAD, strict=True)
+        (lean, knob)
+        for lean, knob in found
         if knob is not None and (lean == 0.0 or knob.length_mm > kind.least + kind.surer)
     ]
-    longest = max((knob.length_mm for knob in sure), default=0.0)
-    return next((knob for knob in sure if knob.length_mm >= _AS_LONG * longest), None)
+    if not sure:
+        return None
+    longest = max(knob.length_mm for _, knob in sure)
+    lean, knob = next(one for one in sure if one[1].length_mm >= _AS_LONG * longest)
+    nearer = [_knob_along(end, corner, kind, lean + turn) for turn in _NEARER_RAD]
+    as_long = [one for one in nearer if one is not None and one.length_mm >= _AS_LONG * longest]
+    return min([knob, *as_long], key=lambda one: float(one.top[2] - one.low[2]))
 
 
 def _knob_along(xyz: Floats, faces: Ints, kind: _Kind, lean_rad: float) -> _Knob | None:

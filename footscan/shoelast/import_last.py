@@ -8,6 +8,7 @@ import numpy as np
 from footscan.coordinates import Bools, Floats, Ints, Side
 from footscan.errors import MeshError, QualityError
 from footscan.geometry.nearest import PointTree
+from footscan.shoelast.bridged_edge import edges_across_holes
 from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.import_chart import chart_upper, loop_shares, smoothed_loop
 from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves
@@ -79,6 +80,7 @@ def shoelast_from_mesh(
     curves = {name: dense_curve(given[name]) for name in EDGES if name in given}
     regions = find_regions(closed, faces, edge_seen=not scanned, curves=curves)
     loops = {"feather_edge": regions.feather_loop, "cone_edge": regions.cone_loop}
+    closed, bridged = _bridged(closed, faces, measured, loops)
     closed, taken = drawn_to_curves(closed, loops, curves)
     turn = heading_of(closed[regions.feather_loop])
     closed = closed @ turn[:3, :3].T
@@ -94,11 +96,24 @@ def shoelast_from_mesh(
         *repaired.remarks,
         *trimmed.remarks,
         *words,
+        *bridged,
         *taken,
         *_edge_words(regions),
         _fit_words(fit),
     )
     return replace(shoelast, remarks=remarks), fit
+
+
+def _bridged(xyz: Floats, faces: Ints, measured: Bools, loops: Mapping[str, Ints]) -> tuple[Floats, tuple[str, ...]]:
+    """Edges led across the holes that interrupt them, and words on it."""
+    at_hole = np.zeros(len(xyz), dtype=np.bool_)
+    at_hole[faces[~measured[faces].all(axis=1)]] = True
+    words = list[str]()
+    for name, loop in loops.items():
+        xyz, length = edges_across_holes(xyz, loop, at_hole)
+        if length > 0.0:
+            words.append(f"{length:.0f} mm of the {name.replace('_', ' ')} lie in holes and were bridged")
+    return xyz, tuple(words)
 
 
 def _with_given_lines(shoelast: Shoelast, given: Mapping[str, Floats]) -> Shoelast:

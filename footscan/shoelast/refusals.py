@@ -42,10 +42,12 @@ def check_size(shoelast: Shoelast, posed: PosedFoot, registration: Registration)
     stick = float(shoelast.points["toe_point"][0] - shoelast.points["rear_point"][0])
     length = float(posed.points["foremost_point"][0] - posed.points["pternion"][0])
     if stick - length < SHORTEST_ROOM_MM or registration.toe_mm < 0.0:
+        longer = stick - length
+        by = f"{abs(longer):.1f} mm {'longer' if longer >= 0.0 else 'shorter'} than it"
         short = (SIZE_RULE_ROOM_MM - (stick - length)) / PARIS_POINT_MM
         raise QualityError(
-            f"{shoelast.name} is {short:.1f} sizes too short for this foot ({stick - length:.1f} mm longer than it, "
-            f"at least {SHORTEST_ROOM_MM:.1f} mm are needed; {registration.toe_mm:.1f} mm left in front of the toes): "
+            f"{shoelast.name} is {short:.1f} sizes too short for this foot ({by}, at least "
+            f" {SHORTEST_ROOM_MM:.1f} mm are needed; {registration.toe_mm:.1f} mm left in front of the toes): "
             "grade first, or take a longer last; widening cannot make it fit."
         )
 
