@@ -43,7 +43,7 @@ def customise(
     Raises:
         InputError: The wrong side, an unknown profile, or a mesh that is no foot.
         QualityError: The last is about two sizes short or smaller than the foot everywhere (grade first), its pitch
-            needs a scan on a wedge, or no displacement meets all that is asked.
+            is more than a scan can be bent to, or no displacement meets all that is asked.
     """
     settings = settings or CustomSettings()
     profile = _profile(clearance)
