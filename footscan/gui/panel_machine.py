@@ -99,7 +99,7 @@ def machine_words(snapshot: Snapshot, calibration: CalibrationChoice) -> str:
 
 def state_line(snapshot: Snapshot, station: Station, job: Job | None, words: str) -> str:
     """The machine's state as HTML; red all over while a laser shines."""
-    wrong = _wrong(snapshot)
+    wrong = _wrong(snapshot) or snapshot.state is State.CLOSED
     message = html.escape(words)
     head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
     free = shutil.disk_usage(station.data).free / 1e9

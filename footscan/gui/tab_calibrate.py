@@ -12,7 +12,7 @@ from footscan.gui.binding import ask, on_press, put, put_options
 from footscan.gui.state import CalibrationChoice, PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
-from footscan.scanning.session.states import Snapshot
+from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.calibration_log import machine_name
 
 
@@ -61,6 +61,9 @@ class CalibrateTab:
     def _armed(self, client: viser.ClientHandle, ready: str, act: Callable[[], None]) -> None:
         if self._desk.state.job is not None:
             self._desk.say(texts.WORKING, texts.BUSY, wrong=True)
+            return
+        if self._station.session.snapshot().state is State.CLOSED:
+            self._desk.say(texts.FAILED, texts.MACHINE_CLOSED, wrong=True)
             return
         body = f"{ready}\n\n{texts.ARM_QUESTION}"
         ask(self._desk, client, texts.ARM_TITLE, body, texts.CALIBRATE_YES, texts.ARM_NO, act)

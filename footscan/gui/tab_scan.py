@@ -14,7 +14,7 @@ from footscan.gui.binding import ask, on_press, on_value, put, put_options
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.records import Take
-from footscan.scanning.session.states import Snapshot
+from footscan.scanning.session.states import Snapshot, State
 
 if TYPE_CHECKING:
     from footscan.workflow.scan import StoredScan
@@ -115,7 +115,14 @@ class ScanTab:
         put(self._fold, visible=bool(state.kept))
 
     def tick(self, snapshot: Snapshot) -> None:
-        """Progress stands beside STOP."""
+        """Progress stands beside STOP; what was checked holds no longer when the machine was stopped."""
+        if self._desk.state.step == "checked" and check_spoiled(snapshot):
+            self._desk.post(self._scan.forget_check)
+
+
+def check_spoiled(snapshot: Snapshot) -> bool:
+    """The machine is not as it was when it was checked."""
+    return snapshot.state in (State.FAULT, State.STOPPED, State.CLOSED) or not snapshot.estop_ok
 
 
 def _head(state: PageState) -> str:

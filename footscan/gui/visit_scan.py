@@ -73,7 +73,7 @@ class ScanWork:
         """Home if needed, and look at everything that can spoil the scan; the machine is armed."""
         settings = self._settings()
         self._desk.change(step="idle", findings=(), note="", take=None, report=None)
-        self._view.clear_cloud()
+        self._view.hide_cloud()
         self._view.clear_placement()
         self._desk.job(texts.JOB_CHECK, lambda progress: self._look(settings), self._checked, self._stopped, self._stop)
 
@@ -97,6 +97,11 @@ class ScanWork:
             self._view.show_placement(each)
         good = not any(finding.blocking for finding in findings)
         self._desk.change(step="checked" if good else "idle", findings=tuple(findings))
+
+    def forget_check(self) -> None:
+        """The machine was stopped since it was checked."""
+        if self._desk.state.step == "checked":
+            self._desk.change(step="idle", findings=(), note=texts.CHECK_AGAIN)
 
     def start(self) -> None:
         """Countdown, sweep, measure, file; the machine is armed and was checked."""

@@ -55,14 +55,15 @@ def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, m
 def test_the_stop_key_stops(served: Served, me: Operator) -> None:
     me.takes_patient("Jürgen Muster")
     me.goes_to(texts.TAB_SCAN)
-    me.presses(texts.CHECK)
-    me.presses(texts.ARM_YES)
+    me.checks()
     until(lambda: served.page.station.session.snapshot().armed)
     me.tab.mouse.click(600, 600)  # in the 3-D view
     me.tab.keyboard.press("x")
     me.sees(re.compile(texts.STOPPED_BY))
+    me.sees(texts.CHECK_AGAIN)
 
     assert not served.page.station.session.snapshot().armed
+    assert me.button(texts.START).is_disabled()
 
 
 def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
