@@ -121,14 +121,20 @@ class Visitor:
         self.presses(texts.CHOOSE)
         self.tab.locator("b", has_text=typed).first.wait_for()
 
-    def enters(self, name: str) -> None:
-        """Enter a new patient by name alone."""
+    def enters(self, name: str, born: str = "") -> None:
+        """Enter a new patient; where somebody of that name is known, another person."""
         self.goes_to(texts.TAB_PATIENT)
+        namesake, taken = self.button(texts.NAMESAKE_YES), self.tab.locator("b", has_text=name)
+        again = taken.count() > 0
         self.types(texts.NAME, name)
-        self.types(texts.BORN, "")
+        self.types(texts.BORN, born)
         self.types(texts.NUMBER, "")
         self.presses(texts.ENTER)
-        self.tab.locator("b", has_text=name).first.wait_for()
+        (namesake if again else namesake.or_(taken)).first.wait_for()
+        if namesake.count():
+            namesake.click()
+            namesake.wait_for(state="hidden")
+        taken.first.wait_for()
 
     def checks(self) -> None:
         """Check before a scan, and say that nobody's face is there if that was not said already."""

@@ -13,10 +13,7 @@ pytestmark = pytest.mark.browser
 
 
 def test_a_visit_from_new_patient_to_both_feet_in_use(served: Served, me: Operator) -> None:
-    me.goes_to(texts.TAB_PATIENT)
-    me.types(texts.NAME, "Željko Đorđević 李")
-    me.types(texts.BORN, "1950-02-28")
-    me.presses(texts.ENTER)
+    me.enters("Željko Đorđević 李", "1950-02-28")
     me.sees(texts.PATIENT_EMPTY)
     me.goes_to(texts.TAB_SCAN)
     me.sees("Next: the left foot.")
