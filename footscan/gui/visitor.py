@@ -142,7 +142,9 @@ class Visitor:
         question, checked = self.button(texts.ARM_YES), self.tab.get_by_text(re.compile("^Checked"))
         again = checked.count() > 0
         self.presses(texts.CHECK)
-        while again and checked.count() and not question.count():  # what an earlier check said goes first
+        for _ in range(_WAIT_MS // 50 if again else 0):  # what an earlier check said goes first
+            if question.count() or not checked.count():
+                break
             self.tab.wait_for_timeout(50)
         question.or_(checked).first.wait_for()
         if question.count():
