@@ -21,6 +21,8 @@ _REAL_TIME = ("tests/devices/", "tests/gui/", "tests/sim/test_emulat", "tests/cl
               "tests/workflow/test_drill")  # fmt: skip
 """Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers. What a busy
 computer was too slow for is tried again, as the drill itself does."""
+_THREADS = (*_REAL_TIME, "tests/scanning/session/", "tests/cli/test_scan_command", "tests/workflow/test_guided")
+"""Their clock is virtual or their waits are long, but threads that the computer leaves waiting can still come too late."""
 
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
@@ -29,8 +31,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         place = item.path.relative_to(config.rootpath).as_posix()
         if place.startswith(_REAL_TIME):
             item.add_marker(pytest.mark.xdist_group("real time"))
-            if not item.get_closest_marker("browser"):  # those have their own number on the command line
-                item.add_marker(pytest.mark.flaky(reruns=2))
+        if place.startswith(_THREADS) and not item.get_closest_marker("browser"):  # those: on the command line
+            item.add_marker(pytest.mark.flaky(reruns=2))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -15,7 +15,7 @@ from footscan.scanning.recorder import RecordingWriter
 from footscan.scanning.recording import FrameLaser, FrameSweep
 from footscan.scanning.session.angle_track import AngleTrack
 from footscan.scanning.session.live import LiveView
-from footscan.scanning.session.picker import AnglePicker
+from footscan.scanning.session.picker import AnglePicker, RequestedAngles
 from footscan.scanning.session.queue_thread import QueueThread
 from footscan.scanning.session.states import FrameCount
 from footscan.scanning.session.timeline import Timeline
@@ -74,7 +74,7 @@ class _Recording:
     writer: RecordingWriter
     timing: ExposureTiming
     unlit_wanted: bool
-    step_rad: float | None
+    requested: RequestedAngles | None
     pickers: dict[tuple[FrameLaser, FrameSweep], "AnglePicker[_Named]"]
 
 
@@ -115,7 +115,7 @@ class Keeper:
         scanner_toml: bytes,
         timing: ExposureTiming,
         unlit_wanted: bool = False,
-        step_rad: float | None = None,
+        requested: RequestedAngles | None = None,
     ) -> None:
         """Open a recording; frames that arrive from now on belong to it.
 
@@ -130,7 +130,7 @@ class Keeper:
         with self._lock:
             self._captured = self._kept = self._lost = 0
             self._rejected, self._last_number = Counter(), None
-            self._recording = _Recording(writer, timing, unlit_wanted, step_rad, {})
+            self._recording = _Recording(writer, timing, unlit_wanted, requested, {})
             self._accepting = True
 
     def end(self) -> None:
@@ -207,7 +207,7 @@ class Keeper:
             self._write(recording, picked)
 
     def _picked(self, recording: _Recording, named: _Named) -> list[_Named]:
-        if recording.step_rad is None or named.sweep == "static":
+        if recording.requested is None or named.sweep == "static":
             return [named]
         exposed_s = named.frame.time_s - recording.timing.latency_s
         self._clock.wait(self._clock.now_s() + 0.1, lambda: self._track.reaches(exposed_s))
@@ -216,7 +216,7 @@ class Keeper:
             self._reject("angle unknown")
             return []
         key = (named.laser, named.sweep)
-        picker = recording.pickers.setdefault(key, AnglePicker(recording.step_rad))
+        picker = recording.pickers.setdefault(key, AnglePicker(recording.requested))
         before = picker.passed_over
         picked = picker.offer(float(theta_rad), named)
         for _ in range(picker.passed_over - before):

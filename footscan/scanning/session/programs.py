@@ -13,6 +13,7 @@ from footscan.errors import FootscanError, HeadStalledError, InterlockError, Sto
 from footscan.scanning.recording import FrameSweep
 from footscan.scanning.session.home_edge import find_edge
 from footscan.scanning.session.machine import Machine, Program
+from footscan.scanning.session.picker import RequestedAngles
 from footscan.scanning.session.plan import REST_S, ScanPlan, SweepLeg
 from footscan.scanning.session.session_file import COMPLETE, save_outcome
 from footscan.scanning.session.states import State
@@ -87,9 +88,9 @@ def scan(machine: Machine, order: ScanOrder) -> Program:
     if order.by_button:
         yield from _await_button(machine)
     yield from _countdown(machine, order.countdown_s)
-    step_rad = plan.asked_step_rad if plan.at_requested_angles else None
+    requested = RequestedAngles(plan.asked_step_rad, plan.sweep_rad) if plan.at_requested_angles else None
     keeper.begin(
-        order.folder, order.info, scanner_toml(machine.scanner), machine.timing, plan.unlit_every > 1, step_rad
+        order.folder, order.info, scanner_toml(machine.scanner), machine.timing, plan.unlit_every > 1, requested
     )
     if machine.live is not None:
         machine.live.clear()
