@@ -22,7 +22,7 @@ _REAL_TIME = ("tests/devices/", "tests/gui/", "tests/sim/test_emulat", "tests/cl
 """Tests of wires, watchdogs and browsers: with `-n 2` they run one after the other in one of the workers. What a busy
 computer was too slow for is tried again, as the drill itself does."""
 _THREADS = (*_REAL_TIME, "tests/scanning/session/", "tests/cli/test_scan_command", "tests/workflow/test_guided")
-"""Their clock is virtual or their waits are long, but threads that the computer leaves waiting can still come too late."""
+"""Their clock is virtual or their waits are long; yet threads that the computer leaves waiting can come too late."""
 
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
