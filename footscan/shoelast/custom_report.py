@@ -112,10 +112,14 @@ def _slopes(before: Shoelast, after: Shoelast) -> dict[str, Held]:
         "shank_slope": (0.3, 0.55),
         "toe_slope": (0.85, 0.98),
     }.items():
-        ends = [last.bottom.grid(np.array([low, high]), np.array([0.5]))[:, 0] for last in (before, after)]
-        angles = [float(np.degrees(np.arctan2(e[1, 2] - e[0, 2], e[1, 0] - e[0, 0]))) for e in ends]
-        found[name] = Held(angles[0], angles[1], HELD_DEG, "deg")
+        found[name] = Held(slope_deg(before, low, high), slope_deg(after, low, high), HELD_DEG, "deg")
     return found
+
+
+def slope_deg(shoelast: Shoelast, low: float, high: float) -> float:
+    """How steeply the middle of the bottom rises between two shares of its length."""
+    rear, front = shoelast.bottom.grid(np.array([low, high]), np.array([0.5]))[:, 0]
+    return float(np.degrees(np.arctan2(front[2] - rear[2], front[0] - rear[0])))
 
 
 def _most_apart(a: Floats, b: Floats) -> float:

@@ -154,39 +154,3 @@ def _costs(differences: Floats, bands: Floats) -> Floats:
     middle, half = bands.mean(axis=1), 0.5 * np.ptp(bands, axis=1)
     off = np.abs(differences - middle)
     return np.maximum(off - half, 0.0) + _INSIDE * off
-
-
-def rank_pair(
-    entries: Sequence[LastEntry], feet: tuple[PreparedFoot, PreparedFoot], profile: Profile | str = "therapeutic"
-) -> list[tuple[Ranked, Ranked]]:
-    """Pairs of lasts of one name or size for both feet of a person, best first by the sum of both scores.
-
-    A pair is a left and a right last of the same style, size, fitting, pitch and dimensions.
-
-    Args:
-        entries: Lasts of both sides.
-        feet: Left and right.
-        profile: Room wanted, or its name.
-
-    Returns:
-        (left, right) for every pair that the library holds.
-
-    Raises:
-        InputError: Two feet of one side, or no pairs.
-    """
-    left, right = feet
-    if (left.side, right.side) != ("left", "right"):
-        raise InputError(f"a pair is a left and a right foot, found {left.side} and {right.side}.")
-    by_key = {_pair_key(one.entry): one for one in rank(entries, left, profile) if one.entry.side == "left"}
-    rights = [one for one in rank(entries, right, profile) if one.entry.side == "right"]
-    pairs = [(by_key[_pair_key(one.entry)], one) for one in rights if _pair_key(one.entry) in by_key]
-    if not pairs:
-        raise InputError(
-            "the library holds no left and right lasts of one kind; mirror one with `footscan lasts grade`."
-        )
-    return sorted(pairs, key=lambda pair: pair[0].score + pair[1].score)
-
-
-def _pair_key(entry: LastEntry) -> tuple[object, ...]:
-    name = entry.name.lower().replace("-left", "").replace("-right", "")
-    return (name, entry.style, entry.size_eu, entry.fitting)

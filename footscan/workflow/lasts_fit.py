@@ -10,16 +10,14 @@ import numpy as np
 
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Floats, Side
-from footscan.errors import InputError, QualityError, StorageError
+from footscan.errors import QualityError, StorageError
 from footscan.foot.mesh_file import load_foot_mesh
 from footscan.foot.shell import mesh_from_shell
 from footscan.foot.surface_files import save_surface_stl
 from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.compare import Comparison
 from footscan.shoelast.custom_last import CustomLast, Smoothing, Smoothness, held_json
-from footscan.shoelast.customise import CustomSettings, customise
 from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
-from footscan.shoelast.model import Shoelast
 from footscan.shoelast.nurbs_out import save_last_json
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LIMIT_MM, proof_json
@@ -28,7 +26,6 @@ from footscan.shoelast.top_line import TopLine
 from footscan.workflow.lasts_pictures import save_changed_picture, save_clearance_map, save_plan_picture
 from footscan.workflow.stored_foot import stored_subject
 
-SIDES: tuple[Side, Side] = ("left", "right")
 UNSMOOTHED_FILE = "unsmoothed.json"
 """Only when smoothing was asked for."""
 CUSTOM_FILES = (
@@ -54,42 +51,13 @@ def load_foot(place: Path, unit: str, side: Side | None) -> PreparedFoot:
     return prepare_foot(mesh, side or known.side, known.load, known.absent, known.wedge_mm)
 
 
-def load_pair(places: tuple[Path, Path], unit: str) -> tuple[PreparedFoot, PreparedFoot]:
-    """A left and a right foot.
-
-    Raises:
-        InputError: A folder says the other side, or both shapes do: they were given the wrong way round.
-    """
-    for place, side in zip(places, SIDES, strict=True):
-        known = stored_subject(place).side
-        if known not in (None, side):
-            raise InputError(f"{place} holds a {known} foot; give the left foot first, then the right one.")
-    left, right = (load_foot(place, unit, side) for place, side in zip(places, SIDES, strict=True))
-    if (left.measurements.shape_side, right.measurements.shape_side) == ("right", "left"):
-        raise InputError(
-            f"{places[0]} looks like a right foot and {places[1]} like a left one; give the left foot first, then the "
-            "right one."
-        )
-    return left, right
-
-
-def pair_ranking_json(pairs: Sequence[tuple[Ranked, Ranked]]) -> dict[str, Any]:
-    """What `lasts rank --other --json` prints: left and right in turn, the best pair first."""
-    return {
-        "ranking": [
-            _ranked_json(one) | {"pair_score": round(left.score + right.score, 4)}
-            for left, right in pairs
-            for one in (left, right)
-        ]
-    }
-
-
 def ranking_json(ranking: Sequence[Ranked]) -> dict[str, Any]:
     """What `lasts rank --json` prints."""
-    return {"ranking": [_ranked_json(one) for one in ranking]}
+    return {"ranking": [ranked_json(one) for one in ranking]}
 
 
-def _ranked_json(one: Ranked) -> dict[str, Any]:
+def ranked_json(one: Ranked) -> dict[str, Any]:
+    """One place of a ranking."""
     entry = one.entry
     return {
         "id": entry.id,
@@ -121,24 +89,6 @@ def comparison_json(found: Comparison) -> dict[str, Any]:
         "bend_changes": {} if found.posed is None else found.posed.changes,
         "remarks": list(found.remarks),
     }
-
-
-def customise_pair(
-    shoelast: Shoelast, feet: tuple[PreparedFoot, PreparedFoot], clearance: str, settings: CustomSettings
-) -> tuple[CustomLast, CustomLast]:
-    """Left and right lasts of one style, pitch, toe and cone height; widths and girths per foot.
-
-    Args:
-        shoelast: The standard last of either side; the other one is its mirror image.
-        feet: Left and right.
-        clearance: Name of a profile.
-        settings: For both.
-    """
-    left, right = (
-        customise(replace(shoelast, side=foot.side, name=f"{shoelast.name} {foot.side}"), foot, clearance, settings)
-        for foot in feet
-    )
-    return left, right
 
 
 @dataclass(frozen=True)
