@@ -32,6 +32,14 @@ def off_curve(xyz: Floats, ends: Ints, curve: Floats | None) -> Floats:
     return np.asarray(off[ends].max(axis=1), dtype=np.float64)
 
 
+def place_on_loop(places: Floats, line: Floats | None, found: int) -> int:
+    """Which of the places `(k, 3)` of an edge is the end of a line of the file; `found` where no end comes near it."""
+    if line is None:
+        return found
+    away = np.linalg.norm(places[:, None] - line[[0, -1]], axis=2)
+    return int(away.min(axis=1).argmin()) if away.min() <= NEAR_MM else found
+
+
 def drawn_to_curves(
     xyz: Floats, loops: Mapping[str, Ints], curves: Mapping[str, Floats]
 ) -> tuple[Floats, tuple[str, ...]]:

@@ -11,7 +11,7 @@ from footscan.geometry.nearest import PointTree
 from footscan.shoelast.bridged_edge import edges_across_holes
 from footscan.shoelast.dimensions import with_points_and_lines
 from footscan.shoelast.import_chart import chart_upper, loop_shares, smoothed_loop
-from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves
+from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves, place_on_loop
 from footscan.shoelast.import_edges import SHARP_RAD, Regions, find_regions
 from footscan.shoelast.import_fit import EdgeLine, FittedUpper, fit_disc, fit_upper
 from footscan.shoelast.import_knobs import turned_attachments, without_attachments
@@ -23,7 +23,7 @@ from footscan.shoelast.import_pose import (
 )
 from footscan.shoelast.import_repair import RepairedLast, check_crossings, repair_last, without_holes
 from footscan.shoelast.model import Shoelast
-from footscan.shoelast.pose import levelled, settled
+from footscan.shoelast.pose import levelled, moved, settled
 from footscan.shoelast.source import LastSource
 from footscan.shoelast.split_faces import with_short_edges
 
@@ -34,6 +34,8 @@ _STRAIGHT_MM = 4.0
 _QUIET_MM = 1.0
 """Noise of an edge is smoothed over so much of it before its halves are paired; at its ends noise would decide."""
 _EDGE_SAMPLES = 60000
+_ANOTHER_PLACE_MM = 15.0
+"""A datum of the file that lays the last further from where its shape would is not that of this last."""
 
 
 @dataclass(frozen=True)
@@ -84,13 +86,13 @@ def shoelast_from_mesh(
     closed, taken = drawn_to_curves(closed, loops, curves)
     turn = heading_of(closed[regions.feather_loop])
     closed = closed @ turn[:3, :3].T
-    shoelast, fit = _fitted(closed, faces, measured, regions)
     lines = {name: line @ turn[:3, :3].T for name, line in given.items() if name not in EDGES}
+    shoelast, fit = _fitted(closed, faces, measured, regions, lines)
     attachments = turned_attachments(trimmed.attachments, turn)
     shoelast = replace(shoelast, name=name, side=side, attachments=attachments, lines=lines)
-    shoelast = levelled(settled(shoelast), pitch_mm)
+    shoelast, stands = _standing(shoelast, turn @ frame, source.frame if pitch_mm is None else None, pitch_mm)
     shoelast = _with_given_lines(with_points_and_lines(shoelast), shoelast.lines)
-    _check_side(shoelast, side)
+    check_side_of_shape(shoelast, side)
     remarks = (
         *source.remarks,
         *repaired.remarks,
@@ -98,6 +100,7 @@ def shoelast_from_mesh(
         *words,
         *bridged,
         *taken,
+        *stands,
         *_edge_words(regions),
         _fit_words(fit),
     )
@@ -114,6 +117,24 @@ def _bridged(xyz: Floats, faces: Ints, measured: Bools, loops: Mapping[str, Ints
         if length > 0.0:
             words.append(f"{length:.0f} mm of the {name.replace('_', ' ')} lie in holes and were bridged")
     return xyz, tuple(words)
+
+
+def _standing(
+    shoelast: Shoelast, here_from_file: Floats, datum_from_file: Floats | None, pitch_mm: float | None
+) -> tuple[Shoelast, tuple[str, ...]]:
+    """The last in its frame: that of the file's datum, where it brings one that fits; else by its shape."""
+    by_shape = levelled(settled(shoelast), pitch_mm)
+    if datum_from_file is None:
+        return by_shape, ()
+    to_memory = np.diag([1.0, -1.0 if shoelast.side == "left" else 1.0, 1.0, 1.0])
+    kept = moved(shoelast, to_memory @ datum_from_file @ np.linalg.inv(here_from_file))
+    apart = float(np.linalg.norm(kept.upper.net_mm - by_shape.upper.net_mm, axis=-1).max())
+    if apart > _ANOTHER_PLACE_MM:
+        return by_shape, (
+            f"the file's datum stands {apart:.0f} mm off the last, as if left behind when the last was moved; the last "
+            "stands as its shape says",
+        )
+    return kept, ("it stands as the file's datum says",)
 
 
 def _with_given_lines(shoelast: Shoelast, given: Mapping[str, Floats]) -> Shoelast:
@@ -139,8 +160,10 @@ def _laid(last: RepairedLast, frame: Floats) -> RepairedLast:
     return RepairedLast(xyz, faces, bodies, last.remarks)
 
 
-def _fitted(xyz: Floats, faces: Ints, measured: Bools, regions: Regions) -> tuple[Shoelast, ImportFit]:
-    feather, cone = (_from_heel(xyz, loop) for loop in (regions.feather_loop, regions.cone_loop))
+def _fitted(
+    xyz: Floats, faces: Ints, measured: Bools, regions: Regions, lines: Mapping[str, Floats]
+) -> tuple[Shoelast, ImportFit]:
+    feather, cone = (_from_heel(xyz, loop, lines) for loop in (regions.feather_loop, regions.cone_loop))
     chart = chart_upper(xyz, faces[regions.upper], feather[0], feather[1].u, cone[0], cone[1].u)
     upper = fit_upper(xyz, chart, measured, feather[1], cone[1])
     tube = upper.tube
@@ -155,15 +178,21 @@ def _fitted(xyz: Floats, faces: Ints, measured: Bools, regions: Regions) -> tupl
     return Shoelast("", "right", tube, bottom.disc, top.disc), fit
 
 
-def _from_heel(xyz: Floats, loop: Ints) -> tuple[Ints, EdgeLine]:
-    """An edge's vertices and their u, from its rearmost place along the medial side to its foremost."""
+def _from_heel(xyz: Floats, loop: Ints, lines: Mapping[str, Floats]) -> tuple[Ints, EdgeLine]:
+    """An edge's vertices and their u, from its heel end along the medial side to its toe end.
+
+    Back and front line of the file say where these ends are; without them they are its rearmost and foremost places.
+    """
     places = xyz[loop]
     area = np.sum(places[:, 0] * np.roll(places[:, 1], -1) - np.roll(places[:, 0], -1) * places[:, 1])
     if area > 0:
         loop, places = loop[::-1], places[::-1]
     quiet = smoothed_loop(places, _QUIET_MM)
-    u = loop_shares(quiet, int(quiet[:, 0].argmin()), int(quiet[:, 0].argmax()))
-    return loop, EdgeLine(places, u)
+    ends = [
+        place_on_loop(places, lines.get(name), found)
+        for name, found in (("back_line", int(quiet[:, 0].argmin())), ("front_line", int(quiet[:, 0].argmax())))
+    ]
+    return loop, EdgeLine(places, loop_shares(quiet, *ends))
 
 
 def _goodness(upper: FittedUpper, feather: EdgeLine, bottom: Floats, top: Floats) -> ImportFit:
@@ -178,7 +207,7 @@ def _rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
-def _check_side(shoelast: Shoelast, side: Side) -> None:
+def check_side_of_shape(shoelast: Shoelast, side: Side) -> None:
     """The ball runs back from medial to lateral; a last whose ball runs the other way is of the other side.
 
     Raises:

@@ -6,7 +6,7 @@ surfaces, gets the same surface to rounding. The discs are clamped already.
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from footscan.shoelast.model import Attachment, Shoelast
 from footscan.shoelast.patches import ChordDisc
 
 FORMAT = "footscan-last-surfaces/1"
+PATCHES = ("upper", "bottom", "cone_top")
 _DELTA = 0.02  # geomdl's default step of evaluation
 
 
@@ -148,17 +149,29 @@ def load_last_json(path: Path) -> Shoelast:
         raise MeshError(f"{path} is damaged ({type(err).__name__}: {err}); customise or export it again.") from err
 
 
+def shoelast_of_patches(patches: Mapping[str, NurbsPatch], name: str, side: Side) -> Shoelast:
+    """The inverse of `clamped_patches`: the upper is periodic again, the same surface to rounding.
+
+    Raises:
+        KeyError: Not all of upper, bottom, cone_top.
+        ValueError: The upper's knots around are not uniform.
+    """
+    upper, bottom, cone_top = (patches[each] for each in PATCHES)
+    return Shoelast(
+        name=name,
+        side=side,
+        upper=_periodic_tube(_real(upper, side, "u")),
+        bottom=_disc_of_patch(_real(bottom, side, "v")),
+        cone_top=_disc_of_patch(_real(cone_top, side, "")),
+    )
+
+
 def _last_of(document: Mapping[str, Any]) -> Shoelast:
     side = _side(document["side"])
     nets = {surface["name"]: _patch_of_surface(surface) for surface in document["shape"]["data"]}
-    upper = _real(nets["upper"], side, "u")
     size = document["size_eu"]
-    return Shoelast(
-        name=str(document["name"]),
-        side=side,
-        upper=_periodic_tube(upper),
-        bottom=_disc_of_patch(_real(nets["bottom"], side, "v")),
-        cone_top=_disc_of_patch(_real(nets["cone_top"], side, "")),
+    return replace(
+        shoelast_of_patches(nets, str(document["name"]), side),
         style=str(document["style"]),
         size_eu=None if size is None else float(size),
         fitting=str(document["fitting"]),

@@ -13,6 +13,7 @@ from footscan.config.toml_file import write_whole
 from footscan.coordinates import Floats
 from footscan.errors import StorageError
 from footscan.foot.nurbs import DEGREE
+from footscan.shoelast.file_datum import DATUM_POINTS, LAYER, said_of
 from footscan.shoelast.handed import DATUM, mirrored
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.nurbs_out import NurbsPatch, clamped_patches
@@ -41,7 +42,8 @@ def save_last_3dm(
     """Write a last as 3DM.
 
     Layers: upper, bottom, cone_top (NURBS, normals outward), one for every named line, points, and one for every mesh.
-    Feather edge, cone edge and back line are the surfaces' own edges; the other lines are polylines.
+    Feather edge, cone edge and back line are the surfaces' own edges; the other lines are polylines. Three points on
+    the layer `datum` are the frame, the file's texts say style, size and fitting: the last comes back as it was.
 
     Args:
         shoelast: Any last.
@@ -58,6 +60,8 @@ def save_last_3dm(
     model.Settings.ModelAbsoluteTolerance = _TOLERANCE_MM
     model.Strings.__setitem__("footscan", note)
     model.Strings.__setitem__("datum", DATUM)
+    for key, value in said_of(shoelast).items():
+        model.Strings.__setitem__(key, value)
     patches = clamped_patches(shoelast)
     for patch in patches:
         body = rhino3dm.Brep.CreateFromSurface(rhino_surface(patch))
@@ -67,6 +71,8 @@ def save_last_3dm(
     for name, point in shoelast.points.items():
         x, y, z = mirrored(point, shoelast.side).tolist()
         model.Objects.AddPoint(rhino3dm.Point3d(x, y, z), _on_layer(model, "points", name))
+    for name, place in DATUM_POINTS.items():
+        model.Objects.AddPoint(rhino3dm.Point3d(*place), _on_layer(model, LAYER, name))
     for name, mesh in (meshes or {}).items():
         model.Objects.AddMesh(rhino_mesh(mesh), _on_layer(model, name))
     _write(model, path)

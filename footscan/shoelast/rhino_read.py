@@ -1,6 +1,6 @@
 """Reading a Rhino file (3DM): meshes, surfaces and named curves, in mm by the unit that the file states."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,10 @@ from scipy.interpolate import BSpline
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import MeshError
+from footscan.foot.nurbs import DEGREE
 from footscan.geometry.nearest import PointTree
+from footscan.shoelast.file_datum import frame_from_points, said_in
+from footscan.shoelast.nurbs_out import NurbsPatch
 from footscan.shoelast.source import LastSource, joined_lines, line_name
 from footscan.shoelast.split_faces import LONGEST_MM
 from footscan.shoelast.surface_facets import facets_of
@@ -32,6 +35,9 @@ class _Found:
     meshes: list[tuple[Floats, Ints]] = field(default_factory=list[tuple[Floats, Ints]])
     surfaces: list[tuple[Floats, Ints]] = field(default_factory=list[tuple[Floats, Ints]])
     curves: list[tuple[str, Floats]] = field(default_factory=list[tuple[str, Floats]])
+    patches: dict[str, NurbsPatch] = field(default_factory=dict[str, NurbsPatch])
+    bodies: list[tuple[str, trimesh.Trimesh]] = field(default_factory=list[tuple[str, trimesh.Trimesh]])
+    points: dict[str, Floats] = field(default_factory=dict[str, Floats])
     remarks: list[str] = field(default_factory=list[str])
     hidden: int = 0
     blocks: int = 0
@@ -58,7 +64,11 @@ def read_3dm(path: Path) -> LastSource:
             _take(path, model, entry, found, _CHORD_MM / _MM[unit])
         else:
             found.hidden += 1
-    return _source(path, found, unit)
+    mm = _MM[unit]
+    patches = {name: replace(patch, net_mm=patch.net_mm * mm) for name, patch in found.patches.items()}
+    bodies = tuple((name, mesh.apply_scale(mm)) for name, mesh in found.bodies)
+    texts = {str(key): str(value) for key, value in (model.Strings[k] for k in range(len(model.Strings)))}
+    return replace(_source(path, found, unit), patches=patches, bodies=bodies, said=said_in(texts))
 
 
 def _visible(model: Any, entry: Any) -> bool:
@@ -72,17 +82,23 @@ def _take(path: Path, model: Any, entry: Any, found: _Found, chord: float) -> No
     layer_name = "" if layer is None else str(layer.Name)
     if isinstance(shape, rhino3dm.Mesh):
         found.meshes.append(_mesh_parts(shape))
+        found.bodies.append((name or layer_name, trimesh.Trimesh(*found.meshes[-1], process=False)))
     elif isinstance(shape, rhino3dm.SubD):
         found.surfaces.append(_subd_parts(shape, found))
     elif isinstance(shape, rhino3dm.Extrusion):
         found.surfaces += _brep_parts(path, shape.ToBrep(True), name or layer_name, chord)
     elif isinstance(shape, rhino3dm.Brep):
         found.surfaces += _brep_parts(path, shape, name or layer_name, chord)
+        if shape.IsSurface and (patch := _bicubic(name, shape.Faces[0])) is not None:
+            found.patches[name] = patch
     elif isinstance(shape, rhino3dm.Surface):
         found.surfaces.append(_surface_parts(shape, chord))
     elif isinstance(shape, rhino3dm.Curve):
         known = line_name(name, layer_name)
         found.curves.append((known or name or f"curve_{len(found.curves) + 1}", _curve_points(shape)))
+    elif isinstance(shape, rhino3dm.Point):
+        at = shape.Location
+        found.points[name] = np.array([at.X, at.Y, at.Z])
     elif isinstance(shape, rhino3dm.InstanceReference):
         found.blocks += 1
 
@@ -107,7 +123,9 @@ def _source(path: Path, found: _Found, unit: str) -> LastSource:
     xyz = np.vstack([points for points, _ in parts]) * _MM[unit]
     faces = np.vstack([corners + start for (_, corners), start in zip(parts, starts, strict=False)])
     lines = joined_lines([(name, curve * _MM[unit]) for name, curve in found.curves])
-    return LastSource(trimesh.Trimesh(xyz, faces, process=False), lines, unit.lower(), tuple(remarks), True)
+    frame, words = frame_from_points({name: place * _MM[unit] for name, place in found.points.items()})
+    mesh = trimesh.Trimesh(xyz, faces, process=False)
+    return LastSource(mesh, lines, unit.lower(), (*remarks, *words), states_unit=True, frame=frame)
 
 
 def _same_body(found: _Found, mm: float) -> bool:
@@ -170,15 +188,29 @@ def _surface_parts(surface: Any, chord: float) -> tuple[Floats, Ints]:
     return facets_of(evaluate, breaks, chord, chord * LONGEST_MM / _CHORD_MM)
 
 
-def _evaluator(surface: Any) -> tuple[Any, tuple[Floats, Floats]]:
-    """A function of two parameters on 0..1 that gives points, and the ends of the spans both ways."""
-    nurbs = surface.ToNurbsSurface()
+def _bicubic(name: str, face: Any) -> NurbsPatch | None:
+    """A surface as the patches of a last are; None for other degrees, weights, or a face that looks inward."""
+    nurbs = face.UnderlyingSurface().ToNurbsSurface()
+    net, knots, degrees = _net_and_knots(nurbs)
+    plain = degrees == (DEGREE, DEGREE) and np.ptp(net[..., 3]) == 0.0 and net[0, 0, 3] == 1.0
+    if not plain or face.OrientationIsReversed:
+        return None
+    u, v = ((each - each[DEGREE]) / (each[-DEGREE - 1] - each[DEGREE]) for each in knots)
+    return NurbsPatch(name, np.ascontiguousarray(net[..., :3]), np.clip(u, 0.0, 1.0), np.clip(v, 0.0, 1.0))
+
+
+def _net_and_knots(nurbs: Any) -> tuple[Floats, list[Floats], tuple[int, int]]:
+    """Weighted control points `(n, m, 4)`, all knots both ways, and degrees."""
     count_u, count_v = nurbs.Points.CountU, nurbs.Points.CountV
     raw = [nurbs.Points[i, j] for i in range(count_u) for j in range(count_v)]
     net = np.array([(p.X, p.Y, p.Z, p.W) for p in raw])  # Rhino keeps them weighted
-    net = net.reshape(count_u, count_v, 4)
     knots = [_full_knots(list(each)) for each in (nurbs.KnotsU.ToList(), nurbs.KnotsV.ToList())]
-    degrees = (nurbs.Degree(0), nurbs.Degree(1))
+    return net.reshape(count_u, count_v, 4), knots, (nurbs.Degree(0), nurbs.Degree(1))
+
+
+def _evaluator(surface: Any) -> tuple[Any, tuple[Floats, Floats]]:
+    """A function of two parameters on 0..1 that gives points, and the ends of the spans both ways."""
+    net, knots, degrees = _net_and_knots(surface.ToNurbsSurface())
     ends = [(k[p], k[len(k) - p - 1]) for k, p in zip(knots, degrees, strict=True)]
 
     def at(share: Floats, way: int) -> Floats:

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 
 from footscan.coordinates import Floats
+from footscan.shoelast.nurbs_out import NurbsPatch
 
 LINE_WORDS = {
     "feather_edge": ("feather", "bottom edge", "sole edge"),
@@ -16,6 +17,7 @@ LINE_WORDS = {
 }
 """Words in the name of a curve or of its layer that say which line of a last it is; the first that fits counts."""
 
+_TAPE = "tape"
 _JOIN_MM = 0.5
 
 
@@ -30,6 +32,10 @@ class LastSource:
         unit: Of the file, as it says itself, or as the caller said.
         remarks: What was left out or taken on trust.
         states_unit: The file says its unit itself.
+        frame: 4x4 from the file to the frame of the real last (y to the left), where the file brings its datum.
+        patches: Name -> untrimmed bicubic surface with unit weights, mm, as it lies in the file.
+        bodies: Names and meshes (mm) of the mesh objects.
+        said: What the file says of the last: style, size_eu, fitting; only those it says.
     """
 
     mesh: trimesh.Trimesh
@@ -37,11 +43,19 @@ class LastSource:
     unit: str = "mm"
     remarks: tuple[str, ...] = ()
     states_unit: bool = False
+    frame: Floats | None = None
+    patches: Mapping[str, NurbsPatch] = field(default_factory=dict[str, NurbsPatch])
+    bodies: tuple[tuple[str, trimesh.Trimesh], ...] = ()
+    said: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 def line_name(*words: str) -> str | None:
     """The line of a last that some words (names of a curve, its layer) speak of, or None."""
+    if words and words[0] in LINE_WORDS:
+        return words[0]
     text = " ".join(words).lower().replace("_", " ").replace("-", " ")
+    if _TAPE in text.split():
+        return None
     return next((name for name, keys in LINE_WORDS.items() if any(key in text for key in keys)), None)
 
 

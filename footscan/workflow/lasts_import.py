@@ -9,9 +9,10 @@ from footscan.coordinates import Side
 from footscan.errors import InputError, MeshError
 from footscan.foot.mesh_file import SURFACE, load_foot_mesh
 from footscan.shoelast.cad_file import IGES_KINDS, STEP_KINDS, read_cad
-from footscan.shoelast.import_last import shoelast_from_mesh
+from footscan.shoelast.import_last import check_side_of_shape, shoelast_from_mesh
 from footscan.shoelast.import_pose import likely_unit
 from footscan.shoelast.model import Shoelast
+from footscan.shoelast.own_surfaces import shoelast_of_surfaces
 from footscan.shoelast.rhino_read import read_3dm
 from footscan.shoelast.source import LastSource
 from footscan.workflow.lasts_scan import LAST_REMARKS
@@ -37,9 +38,9 @@ def import_last(
         side: Of the real last.
         unit: mm, cm, m or in, for mesh files; the other kinds state theirs.
         name: For people; default: the file's name.
-        size_eu: Paris points, if known.
-        fitting: Width, as the maker writes it.
-        style: A word.
+        size_eu: Paris points, if known; default: what the file says.
+        fitting: Width, as the maker writes it; default: what the file says.
+        style: A word; default: what the file says.
         pitch_mm: Heel height at which it stands, if known.
 
     Raises:
@@ -48,8 +49,16 @@ def import_last(
     """
     source = read_last(place, unit)
     title = name or (place.name if place.is_dir() else place.stem)
-    shoelast, _ = shoelast_from_mesh(source, side, title, unit or "mm", pitch_mm, scanned=place.is_dir())
-    return replace(shoelast, size_eu=size_eu, fitting=fitting, style=style)
+    shoelast = shoelast_of_surfaces(source, side, title) if pitch_mm is None else None
+    if shoelast is None:
+        shoelast, _ = shoelast_from_mesh(source, side, title, unit or "mm", pitch_mm, scanned=place.is_dir())
+    else:
+        check_side_of_shape(shoelast, side)
+    said = source.said
+    size = size_eu if size_eu is not None or "size_eu" not in said else float(said["size_eu"])
+    return replace(
+        shoelast, size_eu=size, fitting=fitting or said.get("fitting", ""), style=style or said.get("style", "")
+    )
 
 
 def read_last(place: Path, unit: str | None) -> LastSource:

@@ -68,3 +68,17 @@ def test_wrong_use_is_refused_in_one_sentence(words: list[str], said: str, tmp_p
     assert refusal.exit_status == InputError.exit_status == 2
     assert said in str(refusal)
     assert "\n" not in str(refusal)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_last_that_left_as_3dm_is_added_as_it_was(side: str, tmp_path: Path):
+    data, last = str(tmp_path / "data"), LAST if side == "right" else f"{LAST}-left"
+    _export(last, "--out", str(tmp_path / "last.3dm"), "--stub", "--data", data)
+
+    added, shown = (
+        json.loads(CliRunner().invoke(app, ["lasts", *words, "--json", "--data", data]).stdout)
+        for words in (("add", str(tmp_path / "last.3dm"), "--side", side), ("show", last))
+    )
+
+    assert added["dimensions"] == pytest.approx(shown["dimensions"], abs=0.01)
+    assert (added["style"], added["size_eu"], added["fitting"]) == ("women", 37.0, "g")

@@ -1,20 +1,28 @@
 """A last leaves as 3DM and comes back; Rhino files as last makers have them are read or refused by name."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rhino3dm
 import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from footscan.coordinates import Side
 from footscan.errors import MeshError
-from footscan.shoelast.handed import mirrored
+from footscan.shoelast.dimensions import with_points_and_lines
+from footscan.shoelast.family import build_shoelast
+from footscan.shoelast.file_datum import DATUM_POINTS, frame_from_points
+from footscan.shoelast.handed import mirrored, mirrored_mesh
 from footscan.shoelast.mesh_out import mesh_of_last
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.nurbs_out import clamped_patches
+from footscan.shoelast.own_surfaces import shoelast_of_surfaces
 from footscan.shoelast.rhino_file import rhino_mesh, rhino_surface, save_last_3dm
 from footscan.shoelast.rhino_read import read_3dm
 
@@ -46,7 +54,7 @@ def test_every_line_and_point_is_a_named_object_on_a_layer(tub: Tub, tmp_path: P
 
     model = rhino3dm.File3dm.Read(str(tmp_path / "tub.3dm"))
     layers = [layer.Name for layer in model.Layers]
-    assert {"upper", "bottom", "cone_top", "stub", "points", *shoelast.lines} == set(layers)
+    assert {"upper", "bottom", "cone_top", "stub", "points", "datum", *shoelast.lines} == set(layers)
     points = {e.Attributes.Name: e.Geometry.Location for e in model.Objects if isinstance(e.Geometry, rhino3dm.Point)}
     wanted = mirrored(shoelast.points["toe_point"], "left")
     assert np.allclose((points["toe_point"].X, points["toe_point"].Y, points["toe_point"].Z), wanted)
@@ -180,3 +188,81 @@ def test_what_is_no_rhino_file_or_holds_no_body_is_refused(bare_tub: Shoelast, t
     ):
         with pytest.raises(MeshError, match=said):
             read_3dm(tmp_path / f"{name}.3dm")
+
+
+def moved_file(path: Path, transform: np.ndarray, inches: bool) -> None:
+    """Move all objects of a Rhino file, as people do, and perhaps change its unit."""
+    matrix = rhino3dm.Transform(1.0)
+    for i, j in np.ndindex(4, 4):
+        setattr(matrix, f"M{i}{j}", float(transform[i, j]))
+    model = rhino3dm.File3dm.Read(str(path))
+    for entry in model.Objects:
+        entry.Geometry.Transform(matrix)
+        if inches:
+            entry.Geometry.Scale(1.0 / 25.4)
+    if inches:
+        model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Inches
+    model.Write(str(path), 7)
+
+
+@pytest.mark.parametrize(("side", "inches"), [("right", False), ("left", True)])
+def test_a_last_that_was_moved_in_rhino_comes_back_into_its_own_frame(side: Side, inches: bool, tmp_path: Path):
+    shoelast = build_shoelast("women", 38.0, "g", 50.0, "almond", side, stub=True)
+    stub = mirrored_mesh(shoelast.attachments[0].mesh, side)
+    save_last_3dm(shoelast, tmp_path / "last.3dm", "last", {"stub": stub})
+    turn = np.eye(4)
+    turn[:3, :3] = Rotation.random(random_state=7).as_matrix()
+    turn[:3, 3] = 300.0, -200.0, 50.0
+    moved_file(tmp_path / "last.3dm", turn, inches)
+
+    back = shoelast_of_surfaces(read_3dm(tmp_path / "last.3dm"), side, "last")
+
+    assert back is not None
+    assert np.allclose(back.upper.net_mm, shoelast.upper.net_mm, atol=1e-6)
+    assert np.allclose(back.bottom.net_mm, shoelast.bottom.net_mm, atol=1e-6)
+    assert np.allclose(back.attachments[0].mesh.bounds, shoelast.attachments[0].mesh.bounds, atol=1e-4)
+    for name, point in shoelast.points.items():
+        assert np.allclose(back.points[name], point, atol=1e-5), name
+
+
+def test_surfaces_that_do_not_meet_any_more_are_not_taken_as_they_are(tub: Tub, tmp_path: Path):
+    save_last_3dm(with_points_and_lines(tub("right")), tmp_path / "tub.3dm", "tub")
+    source = read_3dm(tmp_path / "tub.3dm")
+    bottom = source.patches["bottom"]
+    torn = {**source.patches, "bottom": replace(bottom, net_mm=bottom.net_mm + 0.1)}
+
+    assert shoelast_of_surfaces(source, "right", "tub") is not None
+    assert shoelast_of_surfaces(replace(source, patches=torn), "right", "tub") is None
+    assert shoelast_of_surfaces(replace(source, frame=None), "right", "tub") is None
+
+
+def test_tapes_of_the_file_are_not_taken_for_the_ball_break_line(tmp_path: Path):
+    shoelast = build_shoelast("men", 42.0, "g", 12.0)
+    save_last_3dm(shoelast, tmp_path / "last.3dm", "last")
+
+    lines = read_3dm(tmp_path / "last.3dm").lines
+
+    assert np.allclose(lines["ball_break_line"], shoelast.lines["ball_break_line"])
+    assert np.allclose(lines["ball_tape"], shoelast.lines["ball_tape"])
+
+
+@given(rotation=st.integers(0, 10_000), shift=st.tuples(*[st.floats(-500, 500)] * 3))
+def test_datum_points_give_the_way_back_into_the_frame(rotation: int, shift: tuple[float, float, float]):
+    turn = np.eye(4)
+    turn[:3, :3], turn[:3, 3] = Rotation.random(random_state=rotation).as_matrix(), shift
+    there = {name: turn[:3, :3] @ place + turn[:3, 3] for name, place in DATUM_POINTS.items()}
+
+    frame, words = frame_from_points(there)
+
+    assert words == ()
+    assert frame is not None
+    assert np.allclose(frame @ turn, np.eye(4), atol=1e-9)
+
+
+def test_datum_points_that_were_moved_apart_are_told_and_not_used():
+    places = {name: np.array(place) + (name == "datum_x") for name, place in DATUM_POINTS.items()}
+
+    frame, words = frame_from_points(places)
+
+    assert frame is None
+    assert "moved apart by 1.0 mm" in words[0]

@@ -1,4 +1,4 @@
-"""A last that leaves as 3DM, three surfaces and named curves, is imported again as the same last."""
+"""A last that left as 3DM and whose surfaces were fitted anew, as after a change in Rhino, is the same last."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def last() -> Shoelast:
 def returned(last: Shoelast, tmp_path_factory: pytest.TempPathFactory) -> tuple[Shoelast, ImportFit]:
     path = tmp_path_factory.mktemp("round") / "last.3dm"
     save_last_3dm(last, path, "round trip")
-    return shoelast_from_mesh(read_3dm(path), "left", "again", pitch_mm=dimensions(last)["pitch"].value)
+    return shoelast_from_mesh(read_3dm(path), "left", "again")
 
 
 def test_its_patches_lie_on_the_surfaces_of_the_file(returned: tuple[Shoelast, ImportFit]):
@@ -41,10 +41,13 @@ def test_the_edges_are_the_curves_of_the_file(last: Shoelast, returned: tuple[Sh
         assert PointTree(before).nearest(after, 1)[0].max() < 0.25
 
 
-def test_every_dimension_comes_back(last: Shoelast, returned: tuple[Shoelast, ImportFit]):
+def test_every_dimension_comes_back_as_the_datum_says_how_it_stood(
+    last: Shoelast, returned: tuple[Shoelast, ImportFit]
+):
     before, after = dimensions(last), dimensions(returned[0])
+    wide = {"bottom_length": 0.25, "volume": 0.5}
     for name, value in before.items():
-        assert after[name].value == pytest.approx(value.value, abs=0.25), name
+        assert after[name].value == pytest.approx(value.value, abs=wide.get(name, 0.1)), name
 
 
 def test_nothing_had_to_be_mended(returned: tuple[Shoelast, ImportFit]):
