@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from footscan.cli.console import STDOUT, print_json, progress_bar
-from footscan.cli.lasts_fit import InsoleOption, JointOption, ProfileOption, SideOption, UnitOption
+from footscan.cli.lasts_fit import InsoleOption, JointOption, ProfileOption, SideOption, UnitOption, WedgeOption
 from footscan.cli.lasts_library import opened_library
 from footscan.cli.lasts_wishes import (
     check_sides,
@@ -67,6 +67,7 @@ def customise_command(
     style: Annotated[str | None, typer.Option(help="With --pair and without --last: only this style.")] = None,
     unit: UnitOption = "mm",
     side: SideOption = None,
+    wedge: WedgeOption = None,
     profile: ProfileOption = "therapeutic",
     transition: Annotated[float, typer.Option(help="How far a change reaches, mm.", min=5.0, max=40.0)] = 10.0,
     insole: InsoleOption = "3,3,3,3",
@@ -101,13 +102,13 @@ def customise_command(
     if pair is not None and foot is None and side is None:
         settings = _settings_of_both(plain, pin, girth)
         with progress_bar("customising", quiet=json_only):
-            feet = load_pair(pair, unit)
+            feet = load_pair(pair, unit, wedge)
             both = customise_pair(_lasts(library, feet, last, last_right, profile, style), feet, profile, settings)
         _tell_pair(both, out, json_only=json_only)
     elif pair is None and foot is not None and last is not None and last_right is None and style is None:
         settings = replace(plain, pins=tuple(map(pin_from_text, pin or ())), girths_mm=_girths(girth or ()))
         with progress_bar("customising", quiet=json_only):
-            made = customise(library.load(last), load_foot(foot, unit, side), profile, settings)
+            made = customise(library.load(last), load_foot(foot, unit, side, wedge), profile, settings)
         _tell_one(made, out, json_only=json_only)
     else:
         raise InputError(

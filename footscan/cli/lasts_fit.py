@@ -23,6 +23,9 @@ UnitOption = Annotated[Unit, typer.Option(help="Unit of a mesh file.")]
 SideOption = Annotated[Side | None, typer.Option(help="Side of the foot; a folder made by process knows it.")]
 ProfileOption = Annotated[str, typer.Option(help="therapeutic, comfort or dress.")]
 InsoleOption = Annotated[str, typer.Option(help="Insole in mm at heel, midfoot, ball and toes: 3,3,3,3.")]
+WedgeOption = Annotated[
+    float | None, typer.Option(help="Height in mm of the wedge under the heel in the scan; a folder knows it.")
+]
 JointOption = Annotated[
     list[str] | None, typer.Option(help="ankle, midfoot, mtp or hallux, such as mtp=limited or hallux=fused.")
 ]
@@ -38,6 +41,7 @@ def rank_command(
     foot: FootArgument,
     unit: UnitOption = "mm",
     side: SideOption = None,
+    wedge: WedgeOption = None,
     profile: ProfileOption = "therapeutic",
     other: Annotated[Path | None, typer.Option(help="The other foot: pairs of lasts are ranked for both.")] = None,
     style: Annotated[str | None, typer.Option(help="Only this style.")] = None,
@@ -48,12 +52,12 @@ def rank_command(
     """Rank the library's lasts for a foot by their dimensions: best first, a lower score is better."""
     load_profile(profile)
     with progress_bar("ranking", quiet=json_only):
-        prepared = load_foot(foot, unit, side)
+        prepared = load_foot(foot, unit, side, wedge)
         entries = [entry for entry in opened_library(data).entries() if style in (None, entry.style)]
         if other is None:
             ranking, pairs = rank(entries, prepared, profile), None
         else:
-            feet = sorted((prepared, load_foot(other, unit, None)), key=lambda one: one.side)
+            feet = sorted((prepared, load_foot(other, unit, None, wedge)), key=lambda one: one.side)
             ranking, pairs = [], rank_pair(entries, (feet[0], feet[1]), profile)
     if json_only:
         print_json(ranking_json(ranking) if pairs is None else pair_ranking_json(pairs))
@@ -82,6 +86,7 @@ def compare_command(
     last: Annotated[str, typer.Option("--last", metavar="ID", help="As `footscan lasts list` shows it.")],
     unit: UnitOption = "mm",
     side: SideOption = None,
+    wedge: WedgeOption = None,
     profile: ProfileOption = "therapeutic",
     insole: InsoleOption = "3,3,3,3",
     joint: JointOption = None,
@@ -95,7 +100,7 @@ def compare_command(
         if not foot.exists() and str(foot) in {entry.id for entry in library.entries()}:
             found = compare_lasts(shoelast, library.load(str(foot)))
         else:
-            prepared = load_foot(foot, unit, side)
+            prepared = load_foot(foot, unit, side, wedge)
             found = compare(
                 shoelast, prepared, load_profile(profile), stack_from_text(insole), joints_from_texts(joint)
             )

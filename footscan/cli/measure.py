@@ -17,6 +17,10 @@ from footscan.workflow.stored_foot import stored_subject
 
 Unit = Literal["mm", "cm", "m", "in"]
 Axis = Literal["A1", "A2", "A4", "A5"]
+WedgeOption = Annotated[
+    float | None,
+    typer.Option(help="Height in mm of the wedge under the middle of the heel; a folder made by process knows it."),
+]
 
 
 def measure_command(
@@ -24,13 +28,15 @@ def measure_command(
     unit: Annotated[Unit, typer.Option(help="Unit of the mesh.")] = "mm",
     side: Annotated[Side | None, typer.Option(help="Side of the foot; without it the shape decides and asks.")] = None,
     axis: Annotated[Axis, typer.Option(help="Foot axis: A2 heel to mid-ball, A1, A4, A5.")] = "A2",
+    wedge: WedgeOption = None,
     json_only: Annotated[bool, typer.Option("--json", help="Print measurements.json and nothing else.")] = False,
 ) -> None:
     """Measure any foot mesh: lengths, breadths, tape girths with intervals, heights, angles."""
     known = stored_subject(foot)
     with progress_bar("measuring", quiet=json_only):
         mesh = load_foot_mesh(foot, unit)
-        result = measure(mesh, side or known.side, axis=axis, load=known.load, absent=known.absent)
+        under = known.wedge if wedge is None else wedge
+        result = measure(mesh, side or known.side, axis=axis, load=known.load, absent=known.absent, wedge=under)
     if json_only:
         print_json(measurements_json(result))
         return

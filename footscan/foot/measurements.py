@@ -2,15 +2,16 @@
 file form."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import MeshError
-from footscan.foot.align import AXIS_WORDS, AxisName, align_foot
+from footscan.foot.align import AXIS_WORDS, AxisName, Front, align_foot
 from footscan.foot.catalogue import CATALOGUE, NOT_MEASURABLE, Entry
+from footscan.foot.foot_frame import FootFrame
 from footscan.foot.landmarks import BY_HAND, NEEDS_HAND, RULES, Landmark, Landmarks, find_landmarks
 from footscan.foot.readings import Reading
 from footscan.foot.repair import repair_shell
@@ -18,10 +19,30 @@ from footscan.foot.shell import Shell, shell_from_mesh
 from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
 from footscan.foot.standing import StandingFoot, absent_parts, front_of, stand
 from footscan.foot.units import check_foot_length
+from footscan.foot.wedge import FLAT_MM, Wedge, check_wedge_height, wedge_json
+from footscan.foot.wedge_fit import check_level, find_wedge, flat_shell
 
 FORMAT = "footscan-measurements/1"
 ORIGIN_UNKNOWN = "the origin of the skin is unknown: below 8 mm it is taken as not seen"
 UNSTATED = "unknown"
+ON_WEDGE = (
+    "scanned on a wedge of {height:g} mm under the heel: measured with the rearfoot turned back by {slope:.1f} degrees"
+)
+_BENT_ANKLE = "the ankle was bent on the wedge: its skin does not lie as on the flat board"
+_BENT_BALL = "on a wedge the ball is taken to bend square to the foot axis: where it bends obliquely this is mm off"
+_DOUBTED_ON_WEDGE = {
+    **dict.fromkeys(
+        (
+            "ankle_girth",
+            "long_heel_girth",
+            "bimalleolar_breadth",
+            "malleolus_medialis_height",
+            "malleolus_lateralis_height",
+        ),
+        _BENT_ANKLE,
+    ),
+    **dict.fromkeys(("ball_length", "outside_ball_length", "waist_girth"), _BENT_BALL),
+}
 
 
 @dataclass(frozen=True)
@@ -81,7 +102,9 @@ class Measurements:
         sizes: Indicative shoe sizes.
         questions: What a person should answer.
         remarks: What was repaired, cut or left out.
-        foot_from_input: 4x4 to the foot frame (x heel to toe, y medial, z up); a reflection for a left foot.
+        foot_from_input: 4x4 to the foot frame (x heel to toe, y medial, z up); a reflection for a left foot. Of a foot
+            on a wedge: from the input with its rearfoot turned back (`frame`).
+        wedge: On which it stood; None for the flat board.
     """
 
     side: Side
@@ -96,6 +119,12 @@ class Measurements:
     questions: tuple[str, ...]
     remarks: tuple[str, ...]
     foot_from_input: Floats
+    wedge: Wedge | None = None
+
+    @property
+    def frame(self) -> FootFrame:
+        """Where the foot frame lies, the wedge taken into account."""
+        return FootFrame(self.foot_from_input, self.wedge)
 
     def __getitem__(self, name: str) -> Measurement:
         """One measurement by its name."""
@@ -111,6 +140,7 @@ def measure(
     load: str = UNSTATED,
     absent: tuple[str, ...] = (),
     norm: Norm = "adult",
+    wedge: Wedge | float | None = None,
 ) -> Measurements:
     """Measure a foot.
 
@@ -122,9 +152,11 @@ def measure(
         load: How the foot was loaded; `unknown` unless somebody says so.
         absent: Missing parts (`standing.PARTS`): toe_1 ... toe_5, toes, ray_1, ray_5, forefoot.
         norm: Whom `unusual` compares with: adult, men, women, or none for children and declared deformities.
+        wedge: The wedge under the heel: where it lies, or its height in mm under the middle of the heel (it is then
+            placed under the ball's line); None or up to 2 mm for the flat board.
 
     Raises:
-        MeshError: The mesh is no foot, or an argument is not allowed.
+        MeshError: The mesh is no foot, its heel stands raised without a wedge, or an argument is not allowed.
     """
     if norm not in NORMS:
         raise MeshError(f"norm {norm!r}: allowed are {', '.join(NORMS)}")
@@ -132,26 +164,69 @@ def measure(
     shell = shell_from_mesh(mesh)
     _check_size(shell)
     repaired = repair_shell(shell)
-    shell = repaired.shell
-    alignment = align_foot(shell, side, axis, given, front_of(absent_parts(absent)))
+    shell, front = repaired.shell, front_of(absent_parts(absent))
+    under = _placed_wedge(shell, wedge, side, front, given)
+    if under is not None:
+        shell = flat_shell(shell, under)
+        given = {name: under.flat(xyz[None])[0] for name, xyz in given.items()}
+    alignment = align_foot(shell, side, axis, given, front)
+    doubt = check_level(shell) if under is None else None
     foot = stand(shell, alignment, given, absent, repaired.bridged)
     marks, missing = find_landmarks(foot)
     values = {entry.name: _measured(entry, foot, marks, missing, norm) for entry in CATALOGUE}
     length = values["foot_length"].value or alignment.length_mm
-    return Measurements(
+    found = Measurements(
         side=alignment.side,
         shape_side=alignment.shape_side,
         axis=alignment.axis,
         load=load,
         origin_known=shell.origin is not None,
-        landmarks={name: _placed(mark, alignment.foot_from_input) for name, mark in marks.items()},
-        measurements=values,
+        landmarks={},
+        measurements={},
         not_measurable=NOT_MEASURABLE,
         sizes=suggest_sizes(length),
         questions=alignment.questions,
-        remarks=(*repaired.remarks, *foot.remarks, *(() if shell.origin is not None else (ORIGIN_UNKNOWN,))),
+        remarks=(
+            *_wedge_remarks(under),
+            *((doubt,) if doubt else ()),
+            *repaired.remarks,
+            *foot.remarks,
+            *(() if shell.origin is not None else (ORIGIN_UNKNOWN,)),
+        ),
         foot_from_input=alignment.foot_from_input,
+        wedge=under,
     )
+    return replace(
+        found,
+        landmarks={name: _placed(mark, found) for name, mark in marks.items()},
+        measurements={name: _in_pose(name, value, found, doubt) for name, value in values.items()},
+    )
+
+
+def _placed_wedge(
+    shell: Shell, wedge: Wedge | float | None, side: Side | None, front: Front | None, given: Mapping[str, Floats]
+) -> Wedge | None:
+    if wedge is None or isinstance(wedge, Wedge):
+        return wedge
+    if check_wedge_height(wedge) <= FLAT_MM:
+        return None
+    return find_wedge(shell, wedge, side, front, given)
+
+
+def _wedge_remarks(wedge: Wedge | None) -> tuple[str, ...]:
+    if wedge is None:
+        return ()
+    return (ON_WEDGE.format(height=wedge.height_mm, slope=np.degrees(wedge.slope_rad)),)
+
+
+def _in_pose(name: str, value: Measurement, found: Measurements, doubt: str | None) -> Measurement:
+    """The value as of the input: its tape's plane there, and the doubts that the pose itself gives."""
+    doubts = [doubt] if doubt else []
+    if found.wedge is not None and name in _DOUBTED_ON_WEDGE:
+        doubts.append(_DOUBTED_ON_WEDGE[name])
+    tape = None if value.tape is None else TapePlane(*found.frame.plane_to_input(value.tape.origin, value.tape.normal))
+    reason = "; ".join([*doubts, *([value.reason] if value.reason else [])])
+    return replace(value, tape=tape, reliable=value.reliable and not doubts, reason=reason)
 
 
 def definitions() -> dict[str, str]:
@@ -179,6 +254,7 @@ def measurements_json(result: Measurements) -> dict[str, object]:
         "questions": list(result.questions),
         "remarks": list(result.remarks),
         "foot_from_input": result.foot_from_input.tolist(),
+        "wedge": wedge_json(result.wedge),
     }
 
 
@@ -206,23 +282,17 @@ def _measured(
     doubts = list(dict.fromkeys([*doubts, *reading.doubts]))
     notes = [ORIGIN_UNKNOWN] if reading.interval is not None and foot.shell.origin is None else []
     unusual = unusual_remark(entry.name, reading.value, foot.alignment.length_mm, norm)
-    tape = None if reading.tape is None else _placed_tape(*reading.tape, foot.alignment.foot_from_input)
+    tape = None if reading.tape is None else TapePlane(*reading.tape)
     reason = "; ".join([*doubts, *notes])
     return Measurement(reading.value, entry.unit, not doubts, reason, reading.interval, unusual, tape)
-
-
-def _placed_tape(origin: Floats, normal: Floats, foot_from_input: Floats) -> TapePlane:
-    turn = foot_from_input[:3, :3].T
-    return TapePlane(turn @ (origin - foot_from_input[:3, 3]), turn @ normal)
 
 
 def _doubts(mark: Landmark, *, exempt: bool) -> list[str]:
     return [doubt for doubt in mark.doubts if not (exempt and doubt.startswith(NEEDS_HAND))]
 
 
-def _placed(mark: Landmark, foot_from_input: Floats) -> PlacedLandmark:
-    xyz = foot_from_input[:3, :3].T @ (mark.xyz_foot - foot_from_input[:3, 3])
-    return PlacedLandmark(xyz, mark.source, "; ".join(mark.doubts))
+def _placed(mark: Landmark, found: Measurements) -> PlacedLandmark:
+    return PlacedLandmark(found.frame.to_input(mark.xyz_foot[None])[0], mark.source, "; ".join(mark.doubts))
 
 
 def _check_size(shell: Shell) -> None:

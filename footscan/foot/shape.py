@@ -39,8 +39,12 @@ class Heading:
     height_mm: float
 
 
-def rough_heading(shell: Shell) -> Heading:
+def rough_heading(shell: Shell, lift_mm: float = 0.0) -> Heading:
     """Where the foot points, to some degrees, from the moments of its outline; the leg is above the heel.
+
+    Args:
+        shell: Skin in mm.
+        lift_mm: By how much the heel is raised: skin is counted up to so much higher.
 
     Raises:
         MeshError: The extent cannot be a foot's.
@@ -49,7 +53,7 @@ def rough_heading(shell: Shell) -> Heading:
         raise MeshError(f"{len(shell.xyz)} points are no foot: a scan has thousands")
     whole = find_outline(shell, np.inf)
     bottom, top = float(shell.xyz[:, 2].min()), float(shell.xyz[:, 2].max())
-    low = find_outline(shell, bottom + _LOW_SHARE * _diameter(whole.xy))
+    low = find_outline(shell, bottom + lift_mm + _LOW_SHARE * _diameter(whole.xy))
     check_foot_length(_diameter(low.xy))
     forward = _long_direction(low.xy)
     along, across = low.xy @ forward, low.xy @ np.array([-forward[1], forward[0]])

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from footscan.coordinates import Floats
 from footscan.errors import InputError
 from footscan.gui.inspected import InspectedFoot
@@ -19,6 +17,7 @@ from footscan.shoelast.rank import Ranked, rank
 from footscan.shoelast.skin import Sampling, skin_of
 from footscan.shoelast.top_line import FeatherLine
 from footscan.workflow.lasts_clearance import skin_clearance
+from footscan.workflow.stored_foot import stored_subject
 
 LASTS = "lasts"
 BEST = 12
@@ -43,7 +42,9 @@ class Fitting:
         key = -1 if result is None else result.id
         if key not in self._prepared:
             take = foot.take
-            self._prepared[key] = prepare_foot(foot.mesh, take.said.side, take.said.load, take.missing)
+            self._prepared[key] = prepare_foot(
+                foot.mesh, take.said.side, take.said.load, take.missing, stored_subject(foot.folder).wedge
+            )
         return self._prepared[key]
 
     def ranking(self, foot: InspectedFoot, profile: str) -> tuple[Ranked, ...]:
@@ -99,8 +100,7 @@ class Fitting:
         prepared = self.prepared(foot)
         if landmark not in prepared.points:
             raise InputError(f"{landmark.replace('_', ' ')} was not found on this foot; choose another place.")
-        turn, shift = prepared.foot_from_input[:3, :3], prepared.foot_from_input[:3, 3]
-        x, y, z = (np.linalg.inv(turn) @ (prepared.points[landmark] - shift)).tolist()
+        x, y, z = prepared.frame.to_input(prepared.points[landmark][None])[0].tolist()
         return Pin((x, y, z), radius_mm, extra_mm, landmark.replace("_", " "))
 
 

@@ -16,9 +16,9 @@ from scipy.interpolate import BSpline
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.nurbs import DEGREE, SplineTube, greville
 from footscan.foot.nurbs_fit import bases_at
+from footscan.foot.sole_bend import smooth_step
 from footscan.shoelast.chart_loops import REACH, WIDE, add_bending, average_normals, fill_rows
 from footscan.shoelast.follow_loop import follow
-from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.model import Shoelast
 
 LEVEL_BELOW_MM = 14.0

@@ -11,16 +11,21 @@ import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.errors import QualityError
+from footscan.foot.foot_frame import FootFrame
 from footscan.foot.sections import cut_shell, measure_cut, plane_through_points
 from footscan.foot.shell import Shell, volume_mm3
-from footscan.shoelast.foot_pose_joints import JOINTS, Bend, Joints, fit_bend
-from footscan.shoelast.foot_pose_mapping import BentFoot, PlacedFoot
+from footscan.foot.sole_bend import Bend, BentFoot
+from footscan.shoelast.foot_pose_joints import JOINTS, Joints, fit_bend
+from footscan.shoelast.foot_pose_mapping import PlacedFoot
 from footscan.shoelast.model import Shoelast
+from footscan.shoelast.pitch_of_scan import pitch_reason
 from footscan.shoelast.prepared_foot import PreparedFoot
 
-MOST_BENT_MM = 35.0
-"""A foot scanned flat is bent to at most this pitch."""
 UNPROVEN = "A scan on the flat board does not prove the shape of the foot on its pitch: the bend is a model."
+ON_WEDGE = (
+    "The foot was scanned on a wedge of {wedge:.0f} mm and the last lifts its heel by {pitch:.0f} mm: only the "
+    "difference is bent, and only that is a model."
+)
 _HEEL, _MIDFOOT, _HALLUX, _TOES = 0.13, 0.45, 0.86, 0.95
 """Middle of the heel, midfoot joint, hallux joint and middle of the toes, as shares of the foot length."""
 _BACK_HEIGHT_MM = 20.0
@@ -56,7 +61,8 @@ class PosedFoot:
         bend: The joints' angles.
         stack: The insole under it.
         changes: What the bend changed, in words and numbers.
-        remarks: What a reader must know; always that a flat scan does not prove the pitched shape.
+        remarks: What a reader must know: that a flat scan does not prove the pitched shape, or on which wedge the foot
+            was scanned.
     """
 
     foot: PreparedFoot
@@ -85,11 +91,11 @@ def pose_foot(
         joints: What each joint may do; None for all free.
 
     Raises:
-        QualityError: The pitch is beyond what a scan on the flat board may be bent to.
+        QualityError: The pitch is beyond what the scan, on the flat board or on a wedge, may be bent to.
     """
     stack, joints = stack or InsoleStack(), joints or Joints()
     line = bottom_line(shoelast)
-    _check_pitch(shoelast, stack)
+    pitch = _checked_pitch(foot, shoelast, stack)
     length, ball = foot.value("foot_length"), ball_place(foot)
     places = np.array([_MIDFOOT * length, ball, max(_HALLUX * length, ball + 0.06 * length)])
     ends = (_HEEL * length, max(_TOES * length, places[2] + 0.03 * length))
@@ -97,12 +103,14 @@ def pose_foot(
     ground = _ground(line, back, stack, length)
     wanted, raised = _wanted(ground, places, ends)
     bend = fit_bend(joints, places, ends, length, wanted, raised)
-    neutral = 0.5 * (foot.measurements["ball_height"].value or 0.14 * length)
+    neutral = _neutral_mm(foot)
     bent = BentFoot(bend, ball, neutral, length, float(foot.shell.xyz[:, 0].max()))
     placed = _set_down(bent, ground, back, ends[0], ball)
     shell = Shell(placed(foot.shell.xyz), foot.shell.faces, foot.shell.origin)
     points = {name: placed(xyz[None])[0] for name, xyz in foot.points.items()}
-    remarks = (UNPROVEN, *(_stiff_remarks(joints, ground, placed, length, stack)))
+    under = foot.wedge
+    said = UNPROVEN if under is None else ON_WEDGE.format(wedge=under.height_mm, pitch=pitch)
+    remarks = (said, *(_stiff_remarks(joints, ground, placed, length, stack)))
     return PosedFoot(foot, shell, points, bend, stack, _changes(foot, placed, shell), remarks)
 
 
@@ -111,16 +119,19 @@ def ball_place(foot: PreparedFoot) -> float:
     return float(0.5 * (foot.points["metatarsale_tibiale"][0] + foot.points["metatarsale_fibulare"][0]))
 
 
-def _check_pitch(shoelast: Shoelast, stack: InsoleStack) -> None:
-    """Refuse a bend further than a flat scan allows."""
-    pitch = float(shoelast.points["seat_point"][2] - shoelast.points["tread_point"][2])
-    wanted = pitch + stack.heel_mm - stack.ball_mm
-    if abs(wanted) > MOST_BENT_MM:
-        raise QualityError(
-            f"the last {shoelast.name} stands on a pitch of {pitch:.0f} mm and the foot was scanned on the flat board: "
-            f"a scan is bent by at most {MOST_BENT_MM:.0f} mm, and scans on a wedge are not fitted yet. Take a last "
-            "with a lower pitch."
-        )
+def _checked_pitch(foot: PreparedFoot, shoelast: Shoelast, stack: InsoleStack) -> float:
+    """By how much last and insole lift the heel; refuses a bend further than the scan allows."""
+    wanted = float(shoelast.points["seat_point"][2] - shoelast.points["tread_point"][2]) + stack.heel_mm - stack.ball_mm
+    if reason := pitch_reason(foot, wanted):
+        raise QualityError(f"on the last {shoelast.name} {reason}.")
+    return wanted
+
+
+def _neutral_mm(foot: PreparedFoot) -> float:
+    """Half the ball's height; that of the wedge's bend where the foot stood on one, so that both bends cancel."""
+    if foot.wedge is not None:
+        return foot.wedge.neutral_mm
+    return 0.5 * (foot.measurements["ball_height"].value or 0.14 * foot.value("foot_length"))
 
 
 @dataclass(frozen=True)
@@ -187,21 +198,28 @@ def _stiff_remarks(
     )
 
 
+def _as_scanned(foot: PreparedFoot, xyz_flat: Floats) -> Floats:
+    """Places `(n, 3)` of the foot turned back where the scan had them, in the foot frame without the turn back."""
+    frame = foot.frame
+    return FootFrame(frame.foot_from_input).to_foot(frame.to_input(xyz_flat))
+
+
 def _changes(foot: PreparedFoot, placed: PlacedFoot, shell: Shell) -> dict[str, float]:
-    """What the bend changed: sections across, the dorsum's length over the ball, length and volume."""
+    """What the bend changed of the foot as scanned: sections across, the dorsum over the ball, length, volume."""
     length = foot.value("foot_length")
     share = np.linspace(0.45, 0.85, 13)
     dorsum = np.array([_top(foot.shell, x * length) for x in share])
     sole = np.column_stack([np.linspace(0.0, length, 101), np.zeros(101), np.zeros(101)])
     tips = np.array([foot.points["pternion"], foot.points["foremost_point"]])
     areas = {f"section_area_{s:.0%}": _area_change(foot, placed, shell, s * length) for s in (0.55, 0.65, 0.75, 0.85)}
+    scanned = foot.shell.xyz if foot.wedge is None else _as_scanned(foot, foot.shell.xyz)
+    before = volume_mm3(Shell(scanned, foot.shell.faces), scanned.mean(axis=0))
     return {
         **{name.replace("%", "_percent_share"): value for name, value in areas.items()},
-        "dorsum_over_ball_mm": _path_mm(placed(dorsum)) - _path_mm(dorsum),
-        "sole_mm": _path_mm(placed(sole)) - length,
-        "length_along_last_mm": float(np.ptp(placed(tips)[:, 0]) - np.ptp(tips[:, 0])),
-        "volume_share": volume_mm3(shell, shell.xyz.mean(axis=0)) / volume_mm3(foot.shell, foot.shell.xyz.mean(axis=0))
-        - 1,
+        "dorsum_over_ball_mm": _path_mm(placed(dorsum)) - _path_mm(_as_scanned(foot, dorsum)),
+        "sole_mm": _path_mm(placed(sole)) - _path_mm(_as_scanned(foot, sole)),
+        "length_along_last_mm": float(np.ptp(placed(tips)[:, 0]) - np.ptp(_as_scanned(foot, tips)[:, 0])),
+        "volume_share": volume_mm3(shell, shell.xyz.mean(axis=0)) / before - 1,
     }
 
 

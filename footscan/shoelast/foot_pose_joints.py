@@ -1,7 +1,6 @@
 """How a foot bends on to the bottom of a last: four segments, three joints and the ankle, each free, limited or fused.
 
-The segments are heel, shank, ball and toes; between them lie midfoot, MTP and hallux. Along its sole the foot then has
-the direction theta(x) = theta_heel + sum of the joints' angles, each joint spread over a smooth step.
+The segments are heel, shank, ball and toes; between them lie midfoot, MTP and hallux (`foot.sole_bend`).
 """
 
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 from scipy import optimize
 
 from footscan.coordinates import Floats
+from footscan.foot.sole_bend import Bend
 
 Freedom = Literal["free", "limited", "fused"]
 JOINTS = ("midfoot", "mtp", "hallux")
@@ -41,36 +41,6 @@ class Joints:
         """The largest angle of a joint."""
         freedom: Freedom = getattr(self, name)
         return 0.0 if freedom == "fused" else _LIMITED_RAD[name] if freedom == "limited" else _FREE_RAD[name]
-
-
-@dataclass(frozen=True)
-class Bend:
-    """Directions along the sole, in the plane of x and z (rad, positive rising to the toes).
-
-    Attributes:
-        heel_rad: Direction of the heel.
-        joint_rad: `(3,)` angles of midfoot, MTP and hallux.
-        place_mm: `(3,)` their places along the foot.
-        half_step_mm: Half the length over which each is spread.
-        ankle_rad: By how much the leg is turned back.
-    """
-
-    heel_rad: float
-    joint_rad: Floats
-    place_mm: Floats
-    half_step_mm: float
-    ankle_rad: float
-
-    def direction(self, x: Floats) -> Floats:
-        """Directions `(n,)` at places `(n,)` along the foot."""
-        step = smooth_step((x[:, None] - self.place_mm) / (2.0 * self.half_step_mm) + 0.5)
-        return self.heel_rad + step @ self.joint_rad
-
-
-def smooth_step(t: Floats) -> Floats:
-    """0 up to t = 0, 1 from t = 1 on, twice differentiable."""
-    t = np.clip(t, 0.0, 1.0)
-    return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
 def fit_bend(

@@ -6,8 +6,8 @@ import numpy as np
 
 from footscan.coordinates import Floats
 from footscan.errors import InputError
+from footscan.foot.sole_bend import smooth_step
 from footscan.shoelast.foot_pose import PosedFoot
-from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.foot_samples import FootSamples
 
 RADIUS_MM, EXTRA_MM = (3.0, 60.0), (-6.0, 15.0)
@@ -57,7 +57,7 @@ def pinned_mm(pins: tuple[Pin, ...], posed: PosedFoot, samples: FootSamples) -> 
     xyz_foot = np.einsum("nk,nkc->nc", samples.weight, corner)
     more, less = np.zeros(len(xyz_foot)), np.zeros(len(xyz_foot))
     for pin in pins:
-        at = foot.foot_from_input[:3, :3] @ np.array(pin.xyz) + foot.foot_from_input[:3, 3]
+        at = foot.frame.to_foot(np.array([pin.xyz], dtype=np.float64))[0]
         gap = np.linalg.norm(xyz_foot - at, axis=1)
         if gap.min() > FAR_MM:
             raise InputError(

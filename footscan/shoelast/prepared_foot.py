@@ -7,16 +7,17 @@ import numpy as np
 import trimesh
 
 from footscan.coordinates import Bools, Floats, Side
-from footscan.errors import MeshError, QualityError
+from footscan.errors import MeshError
+from footscan.foot.foot_frame import FootFrame
 from footscan.foot.measurements import Measurements, measure
 from footscan.foot.repair import repair_shell
 from footscan.foot.shell import Shell, area_mm2, moved, shell_from_mesh
 from footscan.foot.skin_origin import Origin
+from footscan.foot.wedge import Wedge
+from footscan.foot.wedge_fit import flat_shell
 
 _CAP_MM, _LEVEL = 1.0, 0.9
 """A face this near to the highest skin whose normal points up more than this is the lid of a cut, not skin."""
-_FLAT_MM = 2.0
-"""The heel may stand higher than the ball by this much in a scan that counts as flat."""
 NEEDED = ("foot_length", "ball_length", "ball_girth", "foot_breadth")
 
 
@@ -26,11 +27,10 @@ class PreparedFoot:
 
     Attributes:
         side: Of the real foot; in memory y is medial for both.
-        shell: Skin in the foot frame, closed.
+        shell: Skin in the foot frame, closed; of a foot scanned on a wedge with its rearfoot turned back.
         face_seen: `(m,)` faces whose three corners were seen; without a known origin, those above 8 mm.
         points: Landmarks in the foot frame, name -> `(3,)`.
         measurements: All of them.
-        foot_from_input: 4x4 from the coordinates of the mesh that was given.
     """
 
     side: Side
@@ -38,7 +38,16 @@ class PreparedFoot:
     face_seen: Bools
     points: Mapping[str, Floats]
     measurements: Measurements
-    foot_from_input: Floats
+
+    @property
+    def frame(self) -> FootFrame:
+        """From the coordinates of the mesh that was given to the foot frame and back."""
+        return self.measurements.frame
+
+    @property
+    def wedge(self) -> Wedge | None:
+        """On which it was scanned; None for the flat board."""
+        return self.measurements.wedge
 
     def value(self, name: str) -> float:
         """A measurement that fitting cannot do without (`NEEDED`), in its unit.
@@ -57,7 +66,7 @@ def prepare_foot(
     side: Side | None = None,
     load: str = "unknown",
     absent: tuple[str, ...] = (),
-    wedge_mm: float | None = None,
+    wedge: Wedge | float | None = None,
 ) -> PreparedFoot:
     """Measure a foot and bring its skin into the foot frame.
 
@@ -66,36 +75,21 @@ def prepare_foot(
         side: The operator's word; None takes the side of the shape.
         load: How it was loaded, as somebody said.
         absent: Missing parts.
-        wedge_mm: Height of a wedge under the heel during the scan; None or 0 for the flat board. Scans on a wedge are
-            refused.
+        wedge: The wedge under the heel during the scan: where it lies, or its height in mm under the middle of the
+            heel; None or up to 2 mm for the flat board.
 
     Raises:
-        MeshError: The mesh is no foot.
-        QualityError: It was scanned on a wedge: its landmarks would be sought at the wrong heights.
+        MeshError: The mesh is no foot, or its heel stands raised without a wedge.
     """
-    _check_flat(wedge_mm or 0.0)
-    measured = measure(mesh, side, load=load, absent=absent)
+    measured = measure(mesh, side, load=load, absent=absent, wedge=wedge)
     repaired = repair_shell(shell_from_mesh(mesh))
-    shell = moved(repaired.shell, measured.foot_from_input)
+    flat = repaired.shell if measured.wedge is None else flat_shell(repaired.shell, measured.wedge)
+    shell = moved(flat, measured.foot_from_input)
     seen = shell.seen.copy()
     seen[repaired.bridged] = False
-    points = {name: _in_frame(mark.xyz, measured.foot_from_input) for name, mark in measured.landmarks.items()}
+    points = {name: measured.frame.to_foot(mark.xyz[None])[0] for name, mark in measured.landmarks.items()}
     face_seen = seen[shell.faces].all(axis=1) & ~_is_lid(shell)
-    return PreparedFoot(measured.side, shell, face_seen, points, measured, measured.foot_from_input)
-
-
-def _check_flat(wedge_mm: float) -> None:
-    """Refuse what cannot be measured: with a raised heel, landmarks are not at the heights where they are sought."""
-    if wedge_mm > _FLAT_MM:
-        raise QualityError(
-            f"the foot was scanned with its heel on a wedge of {wedge_mm:g} mm: feet on a wedge cannot be measured or "
-            f"laid into a last yet, at most {_FLAT_MM:g} mm. Scan it on the flat board and take a last with a lower "
-            "pitch."
-        )
-
-
-def _in_frame(xyz: Floats, foot_from_input: Floats) -> Floats:
-    return foot_from_input[:3, :3] @ xyz + foot_from_input[:3, 3]
+    return PreparedFoot(measured.side, shell, face_seen, points, measured)
 
 
 def _is_lid(shell: Shell) -> Bools:

@@ -8,8 +8,8 @@ import numpy as np
 
 from footscan.coordinates import Floats, Ints
 from footscan.errors import InputError
+from footscan.foot.sole_bend import smooth_step
 from footscan.shoelast.fitting_defaults import profile_data
-from footscan.shoelast.foot_pose_joints import smooth_step
 
 Region = Literal["heel", "instep", "waist", "ball", "toe"]
 REGIONS: tuple[Region, ...] = get_args(Region)

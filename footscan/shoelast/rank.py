@@ -5,7 +5,7 @@ little, outside it costs its full weight per millimetre. The parts of a score ar
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from footscan.coordinates import Bools, Floats, Side
 from footscan.errors import InputError
 from footscan.shoelast.fitting_defaults import profile_data
 from footscan.shoelast.last_library import LastEntry
+from footscan.shoelast.pitch_of_scan import pitch_reason
 from footscan.shoelast.prepared_foot import PreparedFoot
 from footscan.shoelast.profile import Profile, load_profile
 from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
@@ -20,6 +21,8 @@ from footscan.shoelast.refusals import SIZE_RULE_ROOM_MM
 WRONG_SIDE, WRONG_WIDTH, MIRRORED = 1000.0, 2000.0, 4000.0
 """Added to the score: a last of the wrong side can be mirrored exactly, one of the wrong width cannot be mended; one of
 the wrong side whose mirror image is in the list as well is of no use at all."""
+WRONG_PITCH = 1500.0
+"""Added to the score of a last whose pitch is too far from what the foot was scanned on."""
 _INSIDE = 0.2
 """Cost of a millimetre inside the band, as a share of one outside."""
 FROM_FOOT = {
@@ -66,7 +69,18 @@ def rank(entries: Sequence[LastEntry], foot: PreparedFoot, profile: Profile | st
     if not entries:
         raise InputError("the library holds no lasts; add one with `footscan lasts add`.")
     wanted = load_profile(profile) if isinstance(profile, str) else profile
-    return rank_by_values(entries, foot_values(foot), foot.side, wanted)
+    ranked = rank_by_values(entries, foot_values(foot), foot.side, wanted)
+    return sorted((_with_pitch(one, foot) for one in ranked), key=lambda one: one.score)
+
+
+def _with_pitch(one: Ranked, foot: PreparedFoot) -> Ranked:
+    """A last whose pitch the scan may not be bent to comes after all that it may, mirrored or not."""
+    reason = "" if one.entry.pitch_mm is None else pitch_reason(foot, one.entry.pitch_mm)
+    if not reason:
+        return one
+    return replace(
+        one, score=one.score + WRONG_PITCH, reason="; ".join([part for part in (one.reason, reason) if part])
+    )
 
 
 def foot_values(foot: PreparedFoot) -> dict[str, float]:

@@ -7,9 +7,9 @@ from scipy import sparse
 
 from footscan.coordinates import Floats
 from footscan.foot.nurbs_fit import evaluate_at
+from footscan.foot.sole_bend import smooth_step
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.chart import Chart
-from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.need import Need
 from footscan.shoelast.obstacle import BACK_COLUMNS, Rows, smooth_line
 

@@ -19,6 +19,7 @@ from footscan.shoelast.compare import Comparison
 from footscan.shoelast.custom_last import CustomLast, Smoothing, Smoothness, held_json
 from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
 from footscan.shoelast.nurbs_out import save_last_json
+from footscan.shoelast.pitch_of_scan import wedge_mm
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LIMIT_MM, proof_json
 from footscan.shoelast.rank import Ranked
@@ -39,16 +40,22 @@ CUSTOM_FILES = (
 )
 
 
-def load_foot(place: Path, unit: str, side: Side | None) -> PreparedFoot:
+def load_foot(place: Path, unit: str, side: Side | None, wedge: float | None = None) -> PreparedFoot:
     """A foot from a mesh file or a folder made by `process`; the folder knows side, load, missing parts and wedge.
+
+    Args:
+        place: The file or folder.
+        unit: Of a mesh file.
+        side: None for the folder's or the shape's.
+        wedge: Height (mm) of the wedge under the heel; None for the folder's word.
 
     Raises:
         MeshError: No foot.
         InputError: A damaged folder.
     """
     known = stored_subject(place)
-    mesh = load_foot_mesh(place, unit)
-    return prepare_foot(mesh, side or known.side, known.load, known.absent, known.wedge_mm)
+    under = known.wedge if wedge is None else wedge
+    return prepare_foot(load_foot_mesh(place, unit), side or known.side, known.load, known.absent, under)
 
 
 def ranking_json(ranking: Sequence[Ranked]) -> dict[str, Any]:
@@ -86,6 +93,7 @@ def comparison_json(found: Comparison) -> dict[str, Any]:
             for name, one in found.girths.items()
         },
         "registration": None if lie is None else vars(lie),
+        "wedge_mm": None if found.posed is None else wedge_mm(found.posed.foot),
         "bend_changes": {} if found.posed is None else found.posed.changes,
         "remarks": list(found.remarks),
     }
@@ -151,6 +159,7 @@ def custom_json(custom: CustomLast) -> dict[str, Any]:
         "datum": DATUM,
         "registration": vars(custom.registration),
         "insole_mm": vars(custom.posed.stack),
+        "wedge_mm": wedge_mm(custom.posed.foot),
         "bend_changes": custom.posed.changes,
         "dimensions": _dimensions_json(custom.dimensions),
         "displacement_mm": {

@@ -38,7 +38,7 @@ class CustomPair:
         return (("left", self.left), ("right", self.right))
 
 
-def load_pair(places: tuple[Path, Path], unit: str) -> tuple[PreparedFoot, PreparedFoot]:
+def load_pair(places: tuple[Path, Path], unit: str, wedge: float | None = None) -> tuple[PreparedFoot, PreparedFoot]:
     """A left and a right foot.
 
     Raises:
@@ -48,7 +48,7 @@ def load_pair(places: tuple[Path, Path], unit: str) -> tuple[PreparedFoot, Prepa
         known = stored_subject(place).side
         if known not in (None, side):
             raise InputError(f"{place} holds a {known} foot; give the left foot first, then the right one.")
-    left, right = (load_foot(place, unit, side) for place, side in zip(places, SIDES, strict=True))
+    left, right = (load_foot(place, unit, side, wedge) for place, side in zip(places, SIDES, strict=True))
     if (left.measurements.shape_side, right.measurements.shape_side) == ("right", "left"):
         raise InputError(
             f"{places[0]} looks like a right foot and {places[1]} like a left one; give the left foot first, then the "

@@ -10,10 +10,10 @@ import trimesh
 from footscan.coordinates import Floats
 from footscan.errors import QualityError
 from footscan.foot.shell import mesh_from_shell, moved
+from footscan.foot.sole_bend import smooth_step
 from footscan.geometry.rigid import inverse_rigid
 from footscan.shoelast.custom_last import CustomLast
 from footscan.shoelast.customise import CustomSettings, customise
-from footscan.shoelast.foot_pose_joints import smooth_step
 from footscan.shoelast.last_library import LastEntry, LastLibrary
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.rank import rank
@@ -77,7 +77,7 @@ def deformed_foot(case: StudyCase) -> trimesh.Trimesh:
     shell = foot.shell
     xyz = deformed(shell.xyz, foot, case.deformity, case.amount)
     bent = type(shell)(xyz, shell.faces, shell.origin)
-    return mesh_from_shell(moved(bent, inverse_rigid(foot.foot_from_input)))
+    return mesh_from_shell(moved(bent, inverse_rigid(foot.measurements.foot_from_input)))
 
 
 def deformed(xyz_foot: Floats, foot: PreparedFoot, deformity: str, amount: float) -> Floats:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from footscan.errors import QualityError
+from footscan.foot.sole_bend import BentFoot
 from footscan.shoelast.family import build_shoelast
 from footscan.shoelast.foot_pose import UNPROVEN, InsoleStack, ball_place, bottom_line, pose_foot
 from footscan.shoelast.foot_pose_joints import Joints
-from footscan.shoelast.foot_pose_mapping import BentFoot
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.sim.foot import FootShape, build_foot
@@ -62,13 +62,6 @@ def test_a_fused_joint_does_not_bend_and_it_is_said(foot: PreparedFoot, shoelast
     assert abs(posed.bend.joint_rad[2]) <= np.radians(6.0) + 1e-9
     assert any("mtp fused" in remark for remark in posed.remarks)
     assert UNPROVEN in posed.remarks
-
-
-def test_a_foot_scanned_on_a_wedge_is_refused_before_it_is_measured_wrongly():
-    mesh = trimesh_from_surface(build_foot(FootShape("right", 1.0)))
-
-    with pytest.raises(QualityError, match="wedge of 50 mm"):
-        prepare_foot(mesh, "right", wedge_mm=50.0)
 
 
 def test_a_flat_scan_is_not_bent_to_a_pitch_of_50_mm(foot: PreparedFoot):
