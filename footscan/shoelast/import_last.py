@@ -10,6 +10,7 @@ from footscan.errors import MeshError, QualityError
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.bridged_edge import edges_across_holes
 from footscan.shoelast.dimensions import with_points_and_lines
+from footscan.shoelast.hole_caps import with_caps
 from footscan.shoelast.import_chart import chart_upper, loop_shares, smoothed_loop
 from footscan.shoelast.import_curves import EDGES, dense_curve, drawn_to_curves, place_on_loop
 from footscan.shoelast.import_edges import SHARP_RAD, Regions, find_regions
@@ -75,9 +76,8 @@ def shoelast_from_mesh(
     trimmed = without_attachments(laid.xyz, laid.faces, laid.bodies)
     closed, faces, rims = without_holes(trimmed.xyz, trimmed.faces)
     words = check_whole(closed, faces, rims) + check_crossings(trimmed.xyz, trimmed.faces)
-    closed, faces, rims = without_holes(*with_short_edges(trimmed.xyz, trimmed.faces))
-    measured = np.ones(len(closed), dtype=np.bool_)
-    measured[len(closed) - len(rims) :] = False
+    closed, faces, added = with_caps(*with_short_edges(trimmed.xyz, trimmed.faces))
+    measured = np.arange(len(closed)) < len(closed) - added
     given = {name: line @ frame[:3, :3].T + frame[:3, 3] for name, line in source.lines.items()}
     curves = {name: dense_curve(given[name]) for name in EDGES if name in given}
     regions = find_regions(closed, faces, edge_seen=not scanned, curves=curves)
