@@ -4,14 +4,17 @@ A flat fan from a hole's rim to its middle has no size in the harmonic chart of 
 afterwards would run straight across: at a narrow toe, where a toe centre was cut off, nearly a millimetre too short.
 """
 
+from typing import Any
+
 import numpy as np
-from scipy.interpolate import RBFInterpolator
+from scipy import interpolate as scipy_interpolate
 from scipy.spatial import Delaunay
 
 from footscan.coordinates import Floats, Ints
 from footscan.geometry.nearest import PointTree
 from footscan.shoelast.mesh_topology import rims
 
+interpolate: Any = scipy_interpolate
 _LEAST_MM = 4.0
 """Smaller holes get a fan."""
 _STEP_MM, _MOST_PLACES = 0.6, 900
@@ -74,7 +77,7 @@ def _bulged(rim: Floats, skin: Floats) -> tuple[Floats, Ints] | None:
 
 def _interpolated(known: Floats, values: Floats, places: Floats) -> Floats:
     """The thin plate through values at known places `(n, 2)`, at other places `(k, 2)`."""
-    return np.asarray(RBFInterpolator(known, values, smoothing=_SMOOTHING)(places), dtype=np.float64)
+    return np.asarray(interpolate.RBFInterpolator(known, values, smoothing=_SMOOTHING)(places), dtype=np.float64)
 
 
 def _frame_of(rim: Floats) -> Floats:
