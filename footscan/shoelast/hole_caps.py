@@ -19,6 +19,7 @@ _LEAST_MM = 4.0
 """Smaller holes get a fan."""
 _STEP_MM, _MOST_PLACES = 0.6, 900
 _AROUND_MM, _MOST_AROUND = 4.0, 500
+_ALIKE_MM = 0.001
 _SMOOTHING = 1e-4
 _STEEP = 1.0
 """A cap rises at most by so much of its own size above the plane of its rim."""
@@ -68,7 +69,7 @@ def _bulged(rim: Floats, skin: Floats) -> tuple[Floats, Ints] | None:
     places = _interpolated(disc, flat[:, :2], inner)
     near = skin[PointTree(rim).nearest(skin, 1, _AROUND_MM)[1][:, 0] < len(rim)]
     around = (near[:: 1 + len(near) // _MOST_AROUND] - middle) @ frame
-    known = np.unique(np.round(np.vstack([flat, around]), 3), axis=0)
+    known: Floats = np.unique((np.vstack([flat, around]) / _ALIKE_MM).astype(np.int64), axis=0) * _ALIKE_MM
     height = _interpolated(known[:, :2], known[:, 2], places)
     if np.abs(height).max() > _STEEP * float(np.ptp(flat[:, :2], axis=0).max()):
         return None
@@ -87,7 +88,7 @@ def _frame_of(rim: Floats) -> Floats:
     normal = normal / np.linalg.norm(normal)
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first = first / np.linalg.norm(first)
-    return np.stack([first, np.cross(normal, first), normal], axis=1)
+    return np.asarray(np.stack([first, np.cross(normal, first), normal], axis=1), dtype=np.float64)
 
 
 def _disc_of(rim: Floats) -> tuple[Floats, Floats]:
