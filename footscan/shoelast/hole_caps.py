@@ -69,7 +69,7 @@ def _bulged(rim: Floats, skin: Floats) -> tuple[Floats, Ints] | None:
     places = _interpolated(disc, flat[:, :2], inner)
     near = skin[PointTree(rim).nearest(skin, 1, _AROUND_MM)[1][:, 0] < len(rim)]
     around = (near[:: 1 + len(near) // _MOST_AROUND] - middle) @ frame
-    known: Floats = np.unique((np.vstack([flat, around]) / _ALIKE_MM).astype(np.int64), axis=0) * _ALIKE_MM
+    known = np.unique((np.vstack([flat, around]) / _ALIKE_MM).astype(np.int64), axis=0).astype(np.float64) * _ALIKE_MM
     height = _interpolated(known[:, :2], known[:, 2], places)
     if np.abs(height).max() > _STEEP * float(np.ptp(flat[:, :2], axis=0).max()):
         return None
