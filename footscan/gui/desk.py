@@ -84,6 +84,8 @@ class Desk:
         then: Callable[[Made], None],
         failed: Callable[[FootscanError], None] | None = None,
         stop: Command = lambda: None,
+        *,
+        keeps_nothing: bool = False,
     ) -> bool:
         """Do something long on the other thread; False when something else is running.
 
@@ -93,6 +95,7 @@ class Desk:
             then: Called with what was made, on the desk's thread.
             failed: Called with a refusal, on the desk's thread; None only says it.
             stop: Called when somebody cancels, at once; work that tells its progress is stopped there in any case.
+            keeps_nothing: The work only computes: what it makes is left when somebody cancelled meanwhile.
         """
         if self.state.job is not None:
             self.say(texts.WORKING, texts.BUSY, wrong=True)
@@ -100,7 +103,7 @@ class Desk:
         self._cancelled.clear()
         self._stop_job = stop
         self.change(job=Job(words))
-        self._jobs.put(lambda: self._do(words, work, then, failed))
+        self._jobs.put(lambda: self._do(words, work, then, failed, keeps_nothing))
         return True
 
     def cancel(self) -> None:
@@ -116,14 +119,22 @@ class Desk:
         work: Callable[[Progress], Made],
         then: Callable[[Made], None],
         failed: Callable[[FootscanError], None] | None,
+        keeps_nothing: bool,
     ) -> None:
+        told = Job(words)
+
         def tell(done: int, total: int) -> None:
+            nonlocal told
             if self._cancelled.is_set():
                 raise CancelledError(texts.CANCELLED.format(what=words))
-            self.post(lambda: self._progress(Job(words, done, total)))
+            if told != Job(words, done, total):  # work may ask often whether somebody cancelled
+                told = Job(words, done, total)
+                self.post(lambda now=told: self._progress(now))
 
         try:
             made = work(tell)
+            if keeps_nothing:
+                tell(told.done, told.total)
         except FootscanError as err:
             self.post(lambda err=err: self._end(lambda: self._failed(err, failed)))
         except Exception as err:  # noqa: BLE001 - the page goes on, and says so

@@ -75,7 +75,7 @@ class Fitting:
     def customised(
         self, foot: InspectedFoot, last_id: str, profile: str, settings: CustomSettings, progress: Progress
     ) -> CustomLast:
-        """Change the last so that it holds the foot; it can be cancelled between its steps.
+        """Change the last so that it holds the foot; it can be cancelled at any time.
 
         Raises:
             InputError: No such last, or the wrong side.
@@ -87,21 +87,21 @@ class Fitting:
         progress(1, 3)
         shoelast = self.shelf.load(last_id)
         progress(2, 3)
-        made = customise(shoelast, prepared, profile, settings)
+        made = customise(shoelast, prepared, profile, settings, lambda: progress(2, 3))
         progress(3, 3)
         return made
 
-    def pin_at(self, foot: InspectedFoot, landmark: str, radius_mm: float, extra_mm: float) -> Pin:
-        """A spot allowance at a landmark.
+    def pin_at(self, foot: InspectedFoot, landmark: str, radius_mm: float, extra_mm: float, why: str) -> Pin:
+        """A spot allowance at a landmark; `why` names it for people.
 
         Raises:
             InputError: No such landmark, or numbers outside what is allowed.
         """
         prepared = self.prepared(foot)
         if landmark not in prepared.points:
-            raise InputError(f"{landmark.replace('_', ' ')} was not found on this foot; choose another place.")
+            raise InputError(f"{why} was not found on this foot; choose another place.")
         x, y, z = prepared.frame.to_input(prepared.points[landmark][None])[0].tolist()
-        return Pin((x, y, z), radius_mm, extra_mm, landmark.replace("_", " "))
+        return Pin((x, y, z), radius_mm, extra_mm, why)
 
 
 def custom_clearance(custom: CustomLast) -> Floats:

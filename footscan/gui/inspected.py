@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 
 _HEIGHT_MM = 30.0
 """Above the board: where a tilted plane turns about."""
+_SIDE_PX, _FLOOR_PX = 44, 24
+_LINES = ('stroke="#c00078" stroke-width="1.8"', 'stroke="#0060a8" stroke-width="1.6" stroke-dasharray="5 3"')
+"""Of the chosen foot, and of the other one."""
 
 
 @dataclass(frozen=True)
@@ -142,25 +146,58 @@ def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) 
     return measure_cut(foot.shell, rotation.T @ (point_foot - shift), rotation.T @ normal_foot)
 
 
-def outline_svg(section: Section, width_px: int = 330, height_px: int = 190) -> str:
-    """The cut as a drawing, to scale, with a bar of 20 mm."""
+def outlines_svg(cuts: Sequence[tuple[InspectedFoot, Section]], width_px: int = 340, height_px: int = 200) -> str:
+    """Cuts as a drawing, to scale, with a bar of 20 mm and where the inner side, the toes or up are.
+
+    Both feet are drawn as if they were right ones, so that their shapes can be compared.
+    """
     from footscan.foot.sections import plane_axes
 
-    axes = np.stack(plane_axes(section.normal), axis=1)
-    lines = [(line - section.origin) @ axes for line in section.polylines]
-    everything = np.concatenate(lines)
+    foot, cut = cuts[0]
+    u_foot, v_foot = plane_axes(foot.foot_from_world[:3, :3] @ cut.normal)
+    axes_foot = np.stack([u_foot, v_foot], axis=1)
+    drawn = [[(_in_foot(each, line) - _in_foot(each, one.origin)) @ axes_foot for line in one.polylines]
+             for each, one in cuts]  # fmt: skip
+    everything = np.concatenate([line for lines in drawn for line in lines])
     low, size = everything.min(axis=0), np.maximum(np.ptp(everything, axis=0), 1.0)
-    scale = min((width_px - 20) / size[0], (height_px - 34) / size[1])
-    paths = "".join(_path((line - low) * scale, height_px) for line in lines)
-    bar_px = 20.0 * scale
+    scale = min((width_px - 2 * _SIDE_PX) / size[0], (height_px - _FLOOR_PX - 18) / size[1])
+    shift = np.array([(width_px - size[0] * scale) / 2, _FLOOR_PX])
+    paths = "".join(
+        _path((line - low) * scale + shift, height_px, style)
+        for lines, style in zip(drawn, _LINES, strict=False)
+        for line in lines
+    )
+    words = _words_at(_named(-u_foot), 4, height_px / 2, "start") + _words_at(
+        _named(u_foot), width_px - 4, height_px / 2, "end"
+    )
+    words += _words_at(_named(v_foot), width_px / 2, 13, "middle")
     return (
         f'<svg width="{width_px}" height="{height_px}" role="img" aria-label="section" '
-        f'style="background:#fafafa;border:1px solid #ddd">{paths}'
-        f'<line x1="10" y1="{height_px - 8}" x2="{10 + bar_px:.0f}" y2="{height_px - 8}" stroke="#333" '
-        f'stroke-width="2"/><text x="{14 + bar_px:.0f}" y="{height_px - 4}" font-size="11">20 mm</text></svg>'
+        f'style="background:#fafafa;border:1px solid #ddd">{paths}{words}{_bar(20.0 * scale, height_px)}</svg>'
     )
 
 
-def _path(uv_px: Floats, height_px: int) -> str:
-    points = " ".join(f"{10 + u:.1f},{height_px - 24 - v:.1f}" for u, v in uv_px)
-    return f'<polyline points="{points}" fill="none" stroke="#c00078" stroke-width="1.6"/>'
+def _in_foot(foot: InspectedFoot, xyz_world: Floats) -> Floats:
+    return xyz_world @ foot.foot_from_world[:3, :3].T + foot.foot_from_world[:3, 3]
+
+
+def _named(axis_foot: Floats) -> str:
+    """What lies that way of a foot: x points to the toes, y to the inner side, z up."""
+    along = int(np.argmax(np.abs(axis_foot)))
+    return texts.WAYS[along][0 if axis_foot[along] > 0 else 1]
+
+
+def _words_at(words: str, x_px: float, y_px: float, anchor: str) -> str:
+    return f'<text x="{x_px:.0f}" y="{y_px:.0f}" font-size="11" fill="#555" text-anchor="{anchor}">{words}</text>'
+
+
+def _bar(length_px: float, height_px: int) -> str:
+    return (
+        f'<line x1="10" y1="{height_px - 8}" x2="{10 + length_px:.0f}" y2="{height_px - 8}" stroke="#333" '
+        f'stroke-width="2"/><text x="{14 + length_px:.0f}" y="{height_px - 4}" font-size="11">20 mm</text>'
+    )
+
+
+def _path(uv_px: Floats, height_px: int, style: str) -> str:
+    points = " ".join(f"{u:.1f},{height_px - v:.1f}" for u, v in uv_px)
+    return f'<polyline points="{points}" fill="none" {style}/>'

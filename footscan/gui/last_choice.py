@@ -49,6 +49,7 @@ class LastChoice:
         fitted: The chosen last round the foot.
         pins: Spot allowances.
         custom: The customised last.
+        hidden: The 3-D view shows the scan instead.
     """
 
     take_id: int | None = None
@@ -59,6 +60,7 @@ class LastChoice:
     fitted: FittedLast | None = None
     pins: tuple[Pin, ...] = ()
     custom: CustomLast | None = None
+    hidden: bool = False
     thumbnail: bytes = field(default=b"", repr=False)
 
     def without_last(self, **values: object) -> LastChoice:

@@ -220,5 +220,5 @@ class Page:
         for number, banner in list(self._banners.items()):
             words = texts.YOU_CONTROL if number == holder else texts.YOU_WATCH
             words = texts.NOBODY_CONTROLS if holder is None else words
-            banner.content = f'<div style="padding:0 1em;font-size:12.5px">{words}</div>'
+            banner.content = f'<div style="padding:2px 1em 6px;font-size:12.5px">{words}</div>'
             self._buttons[number].visible = number != holder

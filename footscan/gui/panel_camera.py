@@ -19,6 +19,8 @@ from footscan.scanning.stripe import StripeFinder
 
 _HOLD_HZ = 10.0
 _CURVES_EVERY = 4
+_WORDS = "font-size:13px;line-height:20px;min-height:40px;padding:0 1em"
+"""Of two lines, whatever they say: the button below must not move from under the finger that holds it."""
 
 
 class CameraPanel:
@@ -78,10 +80,15 @@ class CameraPanel:
         put(self._kind, label=texts.CHOSEN.format(what=texts.PICTURE, chosen=camera.kind))
         laser = texts.LASERS[0] if camera.laser == "right" else texts.LASERS[1]
         put(self._laser, label=texts.CHOSEN.format(what=texts.SHINE_LASER, chosen=laser))
-        self._shine.disabled = state.job is not None
+        self._show_shine()
+
+    def _show_shine(self) -> None:
+        """No light without somebody having looked whether a face is there."""
+        put(self._shine, disabled=self._desk.state.job is not None or not self._station.session.snapshot().armed)
 
     def tick(self) -> None:
         """Draw the newest frame, if it or the choice is new."""
+        self._show_shine()
         newest, choice = self._station.session.grabber.latest, self._desk.state.camera
         if newest is None or self._drawn == (newest.number, choice):
             return
@@ -101,7 +108,7 @@ class CameraPanel:
         used = picture.automatic if choice.automatic else choice.threshold
         words = texts.AUTOMATIC_VALUE.format(value=picture.automatic, used=used, points=picture.points)
         words = words if lit else texts.NO_LIGHT
-        put(self._words, content=f'<div style="font-size:13px;padding:0 1em">{words}</div>')
+        put(self._words, content=f'<div style="{_WORDS}">{words}</div>')
 
     def _draw_curves(self, frame: Frame, choice: CameraChoice) -> None:
         self._brightness.data = brightness_curve(frame)

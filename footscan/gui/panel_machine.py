@@ -15,16 +15,25 @@ from footscan.scanning.session.states import Snapshot, State
 from footscan.workflow.calibration_log import OLDEST_DAYS
 
 _STYLE = """<style>
-.mantine-Button-root {{ min-height: 34px }}
-[id="{stop}"] {{ min-height: 50px; font-size: 19px; font-weight: 700 }}
-[data-dock-area] .mantine-ScrollArea-viewport {{ max-height: calc(100vh - {head:.0f}px) }}
-[data-dock-root] .mantine-ScrollArea-content:not(:has(.mantine-ScrollArea-content)) {{ padding-right: 10px }}
+.mantine-Button-root { min-height: 34px }
+[id="%s"] { min-height: 50px; font-size: 19px; font-weight: 700 }
+[data-dock-header] button:has(.tabler-icon-adjustments) { display: none }
+[data-dock-root] label { color: #495057 }
+[data-dock-root] .mantine-TextInput-input, [data-dock-root] .mantine-Select-input {
+  min-height: 28px; font-size: 13px; letter-spacing: normal }
+[data-dock-area] div:has(> p > label) { width: 8.6em !important }
+[data-dock-root] .mantine-ScrollArea-content:not(:has(.mantine-ScrollArea-content)) { padding-right: 10px }
+.mantine-ScrollArea-viewport:has([data-dock-area]) div:has([data-dock-area]) { height: 100%% }
+div:has(> div > [data-dock-area]) { display: flex; flex-direction: column }
+div:has(> div > [data-dock-area]) > div { flex: none }
+div:has(> div > [data-dock-area]) > div:has(> [data-dock-area]) { flex: 1 1 0; min-height: 0; height: auto }
+[data-dock-area], [data-dock-area] > div { height: 100%%; min-height: 0 }
+[data-dock-area] > div > :not([data-dock-strip]) { flex: 1 1 0; min-height: 0 }
+[data-dock-area] > div > :not([data-dock-strip]) div:has(.mantine-ScrollArea-viewport) { height: 100%% }
+[data-dock-area] .mantine-ScrollArea-viewport { max-height: 100%% !important }
 </style>"""
-"""Targets a hand can hit, tabs that scroll by themselves below a head that stays, and room for their scroll bars, which
-lie over them otherwise; viser has none of it."""
-_HEAD_PX, _BUTTON_PX, _JOB_PX, _BANNER_PX, _LINE_PX = 228.0, 44.0, 40.0, 34.0, 22.0
-"""Height of the head at rest, and what a button, a running job, the banner of a laser and a further line add."""
-_LINE_LETTERS, _MOST_LINES = 50, 4
+"""Targets a hand can hit and words an eye can read; tabs that scroll by themselves, with room for their scroll bars,
+below a head that stays and takes the height it needs. viser has none of it; its settings would take STOP's place."""
 _BAR = "height:9px;border-radius:4px"
 _RED, _AMBER, _GREY = "#c81e1e", "#a85b00", "#444"
 
@@ -33,13 +42,13 @@ class MachinePanel:
     """STOP and the state line."""
 
     def __init__(self, server: viser.ViserServer, desk: Desk, station: Station) -> None:
-        self._desk, self._station, self._clients = desk, station, server.get_clients
+        self._desk, self._station = desk, station
         gui = server.gui
         self.stop = gui.add_button(texts.STOP, color="red", icon=viser.Icon.HAND_STOP, hint=texts.STOP_HINT)
         self._line = gui.add_html(f'<div style="padding:0 1em 4px;font-size:14px">{texts.OPENING}</div>')
         self._cancel = gui.add_button(texts.CANCEL, hint=texts.CANCEL_HINT, icon=viser.Icon.X, visible=False)
         self._reset = gui.add_button(texts.RESET, hint=texts.RESET_HINT, visible=False)
-        self._style = gui.add_html(self._styled(_HEAD_PX))
+        gui.add_html(_STYLE % self.stop._impl.uuid)  # pyright: ignore[reportPrivateUsage]
         command = gui.add_command(texts.STOP_HOTKEY_LABEL, hotkey="X")
 
         @self.stop.on_click
@@ -56,9 +65,6 @@ class MachinePanel:
         async def _(_: Any) -> None:
             desk.cancel()
 
-    def _styled(self, head_px: float) -> str:
-        return _STYLE.format(stop=self.stop._impl.uuid, head=head_px)  # pyright: ignore[reportPrivateUsage]
-
     def _put_right(self) -> None:
         self._station.session.post_reset().wait(10.0)
 
@@ -67,19 +73,14 @@ class MachinePanel:
         job = self._desk.state.job
         words = machine_words(snapshot, self._desk.state.calibration)
         put(self._line, content=state_line(snapshot, self._station, job, words))
-        put(self._cancel, visible=job is not None)
+        cancelling = job is not None and job.words == texts.CANCELLING
+        put(
+            self._cancel,
+            visible=job is not None,
+            disabled=cancelling,
+            label=texts.CANCELLING if cancelling else texts.CANCEL,
+        )
         put(self._reset, visible=_wrong(snapshot))
-        put(self._style, content=self._styled(head_px(snapshot, job, len(self._clients()))))
-
-
-def head_px(snapshot: Snapshot, job: Job | None, browsers: int) -> float:
-    """How high the part above the tabs is, so that these reach down to the window's edge and no further."""
-    letters = len(snapshot.message or snapshot.state.value)
-    lines = min(max(-(-letters // _LINE_LETTERS), 1), _MOST_LINES) - 1
-    lines += 1 if snapshot.armed else 0  # its chip moves the facts to a further line
-    buttons = int(job is not None) + int(_wrong(snapshot)) + int(browsers > 1)
-    parts = (buttons, _BUTTON_PX), (int(job is not None), _JOB_PX), (int(bool(snapshot.lasers)), _BANNER_PX)
-    return _HEAD_PX + _LINE_PX * lines + sum(count * px for count, px in parts)
 
 
 def _wrong(snapshot: Snapshot) -> bool:
@@ -101,15 +102,22 @@ def state_line(snapshot: Snapshot, station: Station, job: Job | None, words: str
     """The machine's state as HTML; red all over while a laser shines."""
     wrong = _wrong(snapshot) or snapshot.state is State.CLOSED
     message = html.escape(words)
-    head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
-    free = shutil.disk_usage(station.data).free / 1e9
-    facts = f"{head} · {_calibration_words(station)} · {texts.DISK_FREE.format(gigabytes=free)}"
     return (
         f'<div role="status" data-footscan="state" style="padding:0 1em 4px;font-size:14px;line-height:1.4;'
         f'border-bottom:1px solid #ddd">{_laser_banner(snapshot)}'
         f'<div style="font-weight:600;color:{_RED if wrong else _GREY};max-height:5.6em;overflow-y:auto">{message}'
-        f'</div><div style="font-size:12.5px;color:#555">{_chips(snapshot, station)} {facts}</div>'
+        f'</div><div style="font-size:12.5px;color:#555">{_facts(snapshot, station)}</div>'
         f"{_job_bar(snapshot, job)}</div>"
+    )
+
+
+def _facts(snapshot: Snapshot, station: Station) -> str:
+    """Two lines, whatever they say: what stands below does not move up and down."""
+    head = texts.HEAD_UNKNOWN if snapshot.theta_deg is None else texts.HEAD_AT.format(degrees=snapshot.theta_deg)
+    free = texts.DISK_FREE.format(gigabytes=shutil.disk_usage(station.data).free / 1e9)
+    lines = f"{_chips(snapshot, station)} {head}", f"{_calibration_words(station)} · {free}"
+    return "".join(
+        f'<div style="white-space:nowrap;overflow:hidden;text-overflow:ellipsis">{line}</div>' for line in lines
     )
 
 
@@ -145,6 +153,8 @@ def job_words(snapshot: Snapshot, job: Job) -> tuple[float, str]:
         return percent, texts.REMAINING.format(percent=percent, seconds=snapshot.remaining_s, frames=frames)
     if snapshot.state is State.CALIBRATING:
         return 100.0 * snapshot.progress, texts.STOPS.format(what=job.words, percent=100.0 * snapshot.progress)
+    if job.words == texts.CANCELLING:
+        return 0.0, job.words
     if job.total:
         return 100.0 * job.done / job.total, texts.PROCESSING.format(what=job.words, done=job.done, total=job.total)
     return 0.0, f"{job.words} ..."

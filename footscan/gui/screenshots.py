@@ -119,7 +119,7 @@ def _inspect(me: Visitor) -> Iterator[str]:
     me.tab.wait_for_timeout(_DRAWN_MS)
     yield "inspect-both"
     me.tab.get_by_text(texts.MEASUREMENTS, exact=True).scroll_into_view_if_needed()
-    me.tab.get_by_text(texts.FILE, exact=True).scroll_into_view_if_needed()
+    me.tab.get_by_text(texts.DOWNLOADS, exact=True).scroll_into_view_if_needed()
     yield "inspect-measurements"
 
 

@@ -75,6 +75,7 @@ class CalibrateTab:
             texts.JOB_BOARD,
             lambda progress: draw_board(DEFAULT_BOARD),
             lambda pdf: client.send_file_download(texts.BOARD_FILE, pdf, save_immediately=True),
+            keeps_nothing=True,
         )
 
     def _ask_abandon(self, client: viser.ClientHandle) -> None:

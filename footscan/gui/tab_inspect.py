@@ -1,19 +1,29 @@
 """The Inspect tab: a foot to turn, maps with a legend, a section at any plane, measurements, downloads."""
 
-from dataclasses import replace
-from typing import Any
+from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 import viser
 
+from footscan.coordinates import Floats
 from footscan.errors import FootscanError, MeshError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
-from footscan.gui.inspected import InspectedFoot, cut_at, open_foot, outline_svg, try_smoothing
-from footscan.gui.measurement_tables import measurement_table, measurements_csv, price_table
+from footscan.gui.inspected import InspectedFoot, cut_at, open_foot, outlines_svg, try_smoothing
+from footscan.gui.legend import legend_html
+from footscan.gui.measurement_tables import comparison_table, measurement_table, measurements_csv, price_table
 from footscan.gui.state import InspectChoice, PageState
 from footscan.gui.tab import Tools
+from footscan.gui.view_foot import LOOK_AT, aside_mm
 from footscan.records import Take
 from footscan.scanning.session.states import Snapshot
+
+if TYPE_CHECKING:
+    from footscan.foot.sections import Section
 
 _KEPT_FEET = 4
 
@@ -27,9 +37,11 @@ class InspectTab:
         self._feet: dict[int, InspectedFoot] = {}
         self._drawn: tuple[Any, ...] | None = None
         self._cut: tuple[Any, ...] | None = None
+        self._beside_it: InspectedFoot | None = None
         self._take = gui.add_dropdown(texts.TAKE, (texts.FOOT_NONE,))
         self._shown = gui.add_dropdown(texts.SHOW, texts.SHOW_KINDS, hint=texts.SHOW_HINT)
         self._beside = gui.add_checkbox(texts.OTHER_FOOT, False, hint=texts.OTHER_FOOT_HINT)
+        self._look = gui.add_button_group(texts.LOOK, tuple(texts.LOOK_FROM), hint=texts.LOOK_HINT)
         self._legend = gui.add_html("")
         with gui.add_folder(texts.SECTION):
             self._share = gui.add_slider(texts.SECTION_SHARE, 0, 100, 1, 50, hint=texts.SECTION_SHARE_HINT)
@@ -46,7 +58,10 @@ class InspectTab:
             self._price = gui.add_html("")
             self._back = gui.add_button(texts.SMOOTH_BACK, hint=texts.SMOOTH_BACK_HINT, visible=False)
         with gui.add_folder(texts.DOWNLOADS):
-            self._download = gui.add_button_group(texts.FILE, tuple(texts.DOWNLOAD_NAMES), hint=texts.DOWNLOAD_HINT)
+            self._downloads = [
+                gui.add_button_group(kind, tuple(names), hint=texts.DOWNLOAD_HINTS[kind])
+                for kind, names in texts.DOWNLOAD_NAMES.items()
+            ]
         self._bind()
 
     def _bind(self) -> None:
@@ -59,10 +74,17 @@ class InspectTab:
         on_value(desk, self._tilt, lambda degrees: self._choose(tilt_deg=float(degrees)))
         on_press(desk, self._try, lambda _: self._try_smoothing())
         on_press(desk, self._back, lambda _: self._choose(tried=None))
-        on_press(desk, self._download, self._send)
+        on_press(desk, self._look, self._look_from)
+        for group, names in zip(self._downloads, texts.DOWNLOAD_NAMES.values(), strict=True):
+            on_press(desk, group, lambda client, group=group, names=names: self._send(client, names[group.value]))
 
     def _choose(self, **values: Any) -> None:
-        self._desk.change(inspect=replace(self._desk.state.inspect, **values))
+        state = self._desk.state
+        self._desk.change(inspect=replace(state.inspect, **values), last=replace(state.last, hidden=True))
+
+    def _look_from(self, client: viser.ClientHandle) -> None:
+        client.camera.position, client.camera.look_at = texts.LOOK_FROM[str(self._look.value)], LOOK_AT
+        client.camera.up_direction = (0.0, 0.0, 1.0)
 
     def tick(self, snapshot: Snapshot) -> None:
         """Nothing here moves."""
@@ -112,7 +134,10 @@ class InspectTab:
             self._desk.say(texts.FAILED, texts.SMOOTH_NOTHING, wrong=True)
             return
         self._desk.job(
-            texts.JOB_SMOOTH, lambda progress: try_smoothing(foot, settings), lambda tried: self._choose(tried=tried)
+            texts.JOB_SMOOTH,
+            lambda progress: try_smoothing(foot, settings),
+            lambda tried: self._choose(tried=tried),
+            keeps_nothing=True,
         )
 
     def _draw(self, state: PageState, takes: list[Take], foot: InspectedFoot | None) -> None:
@@ -120,7 +145,8 @@ class InspectTab:
         choice = state.inspect
         running = state.job is not None and state.job.words in (texts.JOB_CHECK, texts.JOB_SCAN)
         preparing = running or state.step == "checked"  # the place is the next foot's
-        feet = [] if foot is None or preparing else [foot, *self._other(choice, takes, foot)]
+        other = None if foot is None or not choice.beside else self._other(takes, foot)
+        feet = [] if foot is None or preparing else [foot] if other is None else [foot, other]
         now = (tuple(id(each) for each in feet), choice.shown)
         if now == self._drawn:
             return
@@ -128,18 +154,17 @@ class InspectTab:
         if feet:
             self._view.hide_cloud()
             self._view.clear_placement()
-        self._view.show_feet([each.mesh for each in feet], choice.shown)
+        self._view.show_feet({each.take.said.side: each.mesh for each in feet}, choice.shown)
+        self._beside_it = other
         legend = {"Seen / assumed": texts.LEGEND_ORIGIN, "Distance to points": texts.LEGEND_RESIDUAL}
-        put(self._legend, content=_box(legend.get(choice.shown, "")))
-        put(self._table, content=_box(texts.INSPECT_NONE if foot is None else measurement_table(foot.measurements)))
+        missing = f"<div>{texts.OTHER_FOOT_NONE}</div>" if choice.beside and foot is not None and other is None else ""
+        put(self._legend, content=_box(missing + legend_html(legend.get(choice.shown, ()))))
+        put(self._table, content=_box(_table_of(foot, other)))
 
-    def _other(self, choice: InspectChoice, takes: list[Take], foot: InspectedFoot) -> list[InspectedFoot]:
-        if not choice.beside:
-            return []
+    def _other(self, takes: list[Take], foot: InspectedFoot) -> InspectedFoot | None:
         others = [take for take in takes if take.said.side != foot.take.said.side]
         best = next((take for take in others if take.in_use), others[0] if others else None)
-        other = None if best is None else self._open(best)
-        return [] if other is None else [other]
+        return None if best is None else self._open(best)
 
     def _draw_section(self, choice: InspectChoice, foot: InspectedFoot | None) -> None:
         now = (id(foot), choice.share, choice.turn_deg, choice.tilt_deg, choice.beside, self._drawn)
@@ -150,15 +175,49 @@ class InspectTab:
             self._view.show_section(())
             put(self._section, content=_box(texts.INSPECT_NONE if foot is None else ""))
             return
+        feet = [foot] if self._beside_it is None else [foot, self._beside_it]
         try:
-            cut = cut_at(foot, choice.share, choice.turn_deg, choice.tilt_deg)
+            cuts = [(each, cut_at(each, choice.share, choice.turn_deg, choice.tilt_deg)) for each in feet]
         except MeshError:
             self._view.show_section(())
             put(self._section, content=_box(texts.SECTION_MISSES))
             return
-        self._view.show_section(() if choice.beside else cut.polylines)
+        self._view.show_section([line for each, cut in cuts for line in _in_place(each, cut, len(cuts))])
+        put(self._section, content=_box(outlines_svg(cuts) + section_words(cuts)))
+
+    def _send(self, client: viser.ClientHandle, name: str) -> None:
+        take = next((take for take in self._desk.state.takes if words_of_take(take) == self._take.value), None)
+        foot = None if take is None else self._open(take)
+        if foot is None:
+            self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
+            return
+        table = name == texts.DOWNLOAD_NAMES["Measurements"][texts.DOWNLOAD_TABLE]
+        content = measurements_csv(foot.measurements) if table else (foot.folder / name).read_bytes()
+        file_name = f"take-{foot.take.id}-{foot.take.said.side}-{name}"
+        client.send_file_download(file_name, content, save_immediately=True)
+
+
+def _table_of(foot: InspectedFoot | None, other: InspectedFoot | None) -> str:
+    if foot is None:
+        return texts.INSPECT_NONE
+    if other is None:
+        return measurement_table(foot.measurements)
+    left, right = (foot, other) if foot.take.said.side == "left" else (other, foot)
+    return comparison_table(left.measurements, right.measurements)
+
+
+def _in_place(foot: InspectedFoot, cut: Section, feet: int) -> list[Floats]:
+    """The lines of a cut where the foot is drawn."""
+    shift = np.array([0.0, aside_mm(foot.take.said.side) if feet > 1 else 0.0, 0.0])
+    return [line + shift for line in cut.polylines]
+
+
+def section_words(cuts: Sequence[tuple[InspectedFoot, Section]]) -> str:
+    """What was measured in a cut; of both feet, each with its name and the kind of its line."""
+    words: list[str] = []
+    for (foot, cut), line in zip(cuts, texts.COMPARE_LINES, strict=False):
         unseen = cut.hull_unseen_share
-        words = texts.SECTION_TABLE.format(
+        figures = texts.SECTION_TABLE.format(
             area=cut.area_mm2 / 100.0,
             perimeter=cut.perimeter_mm,
             tape=cut.hull_perimeter_mm,
@@ -166,19 +225,9 @@ class InspectTab:
             height=cut.height_mm,
             unseen=texts.SECTION_UNSEEN.format(share=unseen) if unseen else "",
         )
-        put(self._section, content=_box(f"{outline_svg(cut)}<div>{words}</div>"))
-
-    def _send(self, client: viser.ClientHandle) -> None:
-        take = next((take for take in self._desk.state.takes if words_of_take(take) == self._take.value), None)
-        foot = None if take is None else self._open(take)
-        if foot is None:
-            self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
-            return
-        name = texts.DOWNLOAD_NAMES[self._download.value]
-        table = name == texts.DOWNLOAD_NAMES[texts.DOWNLOAD_TABLE]
-        content = measurements_csv(foot.measurements) if table else (foot.folder / name).read_bytes()
-        file_name = f"take-{foot.take.id}-{foot.take.said.side}-{name}"
-        client.send_file_download(file_name, content, save_immediately=True)
+        side = texts.COMPARE_SECTION.format(side=texts.SIDES[foot.take.said.side], line=line) if len(cuts) > 1 else ""
+        words.append(f"<div>{side}{figures}</div>")
+    return "".join(words)
 
 
 def words_of_take(take: Take) -> str:

@@ -18,6 +18,7 @@ from footscan.gui.binding import on_press, on_value, put, put_options
 from footscan.gui.inspected import InspectedFoot, open_foot
 from footscan.gui.last_choice import LastChoice
 from footscan.gui.last_tables import proof_words, ranking_table, room_tables
+from footscan.gui.legend import legend_html
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.gui.tab_inspect import measured_takes, words_of_take
@@ -31,11 +32,7 @@ if TYPE_CHECKING:
     from footscan.shoelast.custom_last import CustomLast
     from footscan.shoelast.model import Shoelast
 
-_PLACES = (
-    "metatarsale_tibiale", "metatarsale_fibulare", "toe_1_tip", "toe_2_tip", "toe_3_tip", "toe_4_tip", "toe_5_tip",
-    "instep_point", "pternion",
-)  # fmt: skip
-_ENGRAVED = ("STL", "3DM")
+_ENGRAVED = ("stl", "3dm")
 
 
 class LastTab:
@@ -66,7 +63,10 @@ class LastTab:
             self._result = gui.add_html("")
         with gui.add_folder(texts.LAST_FILES):
             self._engrave = gui.add_text(texts.LAST_ENGRAVE, "", hint=texts.LAST_ENGRAVE_HINT)
-            self._file = gui.add_button_group(texts.LAST_FILE, tuple(texts.LAST_FILE_NAMES), hint=texts.LAST_FILE_HINT)
+            self._files = [
+                gui.add_button_group(kind, tuple(names), hint=texts.LAST_FILE_HINTS[kind])
+                for kind, names in texts.LAST_FILE_NAMES.items()
+            ]
         self._bind()
 
     def _add_allowances(self, gui: viser.GuiApi) -> None:
@@ -76,8 +76,8 @@ class LastTab:
             )
             self._smooth = gui.add_slider(texts.LAST_SMOOTH, 0.0, 1.0, 0.1, 0.0, hint=texts.LAST_SMOOTH_HINT)
             self._hold = gui.add_checkbox(texts.LAST_HOLD, True, hint=texts.LAST_HOLD_HINT)
-            places = tuple(place.replace("_", " ") for place in _PLACES)
-            self._pin_at = gui.add_dropdown(texts.LAST_PIN_AT, places)
+            places = tuple(texts.LAST_PLACES.values())
+            self._pin_at = gui.add_dropdown(texts.LAST_PIN_AT, places, hint=texts.LAST_PIN_AT_HINT)
             self._pin_radius = gui.add_slider(texts.LAST_PIN_RADIUS, 5.0, 40.0, 1.0, 15.0)
             self._pin_extra = gui.add_slider(texts.LAST_PIN_EXTRA, -3.0, 8.0, 0.5, 2.0, hint=texts.LAST_PIN_EXTRA_HINT)
             self._pin_add = gui.add_button(texts.LAST_PIN_ADD, hint=texts.LAST_PIN_ADD_HINT)
@@ -89,14 +89,15 @@ class LastTab:
         on_value(desk, self._foot, self._take_foot)
         on_value(desk, self._profile, lambda name: self._put(self._choice.without_last(profile=name, ranking=())))
         on_value(desk, self._last, self._take_last)
-        on_value(desk, self._shown, lambda shown: self._change(shown=shown))
+        on_value(desk, self._shown, lambda shown: self._change(shown=shown, hidden=False))
         on_press(desk, self._rank, lambda _: self._rank_lasts())
         on_press(desk, self._compare, lambda _: self._lay())
-        on_press(desk, self._hide, lambda _: self._put(self._choice.without_last()))
+        on_press(desk, self._hide, lambda _: self._change(hidden=not self._choice.hidden))
         on_press(desk, self._pin_add, lambda _: self._set_pin())
         on_press(desk, self._pin_clear, lambda _: self._change(pins=()))
         on_press(desk, self._customise, lambda _: self._make())
-        on_press(desk, self._file, self._send)
+        for group, names in zip(self._files, texts.LAST_FILE_NAMES.values(), strict=True):
+            on_press(desk, group, lambda client, group=group, names=names: self._send(client, names[group.value]))
 
     @cached_property
     def _fitting(self) -> Fitting:
@@ -133,7 +134,10 @@ class LastTab:
         ready = not busy and chosen is not None and bool(choice.ranking)
         for button in (self._compare, self._customise):
             put(button, disabled=not ready)
-        put(self._hide, visible=choice.fitted is not None or choice.custom is not None)
+        hide = texts.LAST_UNHIDE if choice.hidden else texts.LAST_HIDE
+        put(self._hide, visible=choice.fitted is not None or choice.custom is not None, label=hide)
+        put(self._pin_add, disabled=chosen is None)
+        put(self._pin_clear, disabled=not choice.pins)
         put(
             self._room,
             content="" if choice.fitted is None else _box(room_tables(choice.fitted.comparison, choice.fitted.last_id)),
@@ -146,12 +150,11 @@ class LastTab:
         self._draw(choice)
 
     def _draw(self, choice: LastChoice) -> None:
-        now = (id(choice.fitted), id(choice.custom), choice.shown, choice.thumbnail)
+        now = (id(choice.fitted), id(choice.custom), choice.shown, choice.hidden, choice.thumbnail)
         if now == self._drawn:
             return
         self._drawn = now
-        legend = {"Clearance map": texts.LAST_LEGEND, "Changed areas": texts.LAST_LEGEND_CHANGED}
-        put(self._legend, content=_box(legend.get(choice.shown, "")))
+        put(self._legend, content=_box(_legend(choice)))
         self._picture.visible = bool(choice.thumbnail)
         if choice.thumbnail:
             from matplotlib import image
@@ -201,7 +204,7 @@ class LastTab:
             choice = self._choice.without_last(ranking=ranking, last_id=best, take_id=foot.take.id)
             return replace(choice, thumbnail=self._thumbnail(best))
 
-        self._desk.job(texts.JOB_RANK, work, self._put)
+        self._desk.job(texts.JOB_RANK, work, self._put, keeps_nothing=True)
 
     def _lay(self) -> None:
         foot, choice = self._opened(), self._choice
@@ -210,15 +213,17 @@ class LastTab:
         self._desk.job(
             texts.JOB_FIT,
             lambda progress: self._fitting.fitted(foot, choice.last_id, choice.profile),
-            lambda fitted: self._change(fitted=fitted, custom=None, shown=_unchanged(self._choice)),
+            lambda fitted: self._change(fitted=fitted, custom=None, hidden=False, shown=_unchanged(self._choice)),
+            keeps_nothing=True,
         )
 
     def _set_pin(self) -> None:
         foot = self._opened()
         if foot is None:
             return
-        place = str(self._pin_at.value).replace(" ", "_")
-        pin = self._fitting.pin_at(foot, place, float(self._pin_radius.value), float(self._pin_extra.value))
+        words = str(self._pin_at.value)
+        place = next(name for name, shown in texts.LAST_PLACES.items() if shown == words)
+        pin = self._fitting.pin_at(foot, place, float(self._pin_radius.value), float(self._pin_extra.value), words)
         self._change(pins=(*self._choice.pins, pin))
 
     def _make(self) -> None:
@@ -237,20 +242,20 @@ class LastTab:
             texts.JOB_CUSTOMISE,
             lambda progress: self._fitting.customised(foot, choice.last_id, choice.profile, settings, progress),
             self._show_made,
+            keeps_nothing=True,
         )
 
     def _show_made(self, custom: CustomLast) -> None:
-        self._change(custom=custom, shown="Changed areas")
+        self._change(custom=custom, hidden=False, shown="Changed areas")
         self._desk.say(texts.LAST_MADE, texts.LAST_MADE_HOLDS if custom.proof.holds else texts.LAST_MADE_NOT)
 
-    def _send(self, client: viser.ClientHandle) -> None:
+    def _send(self, client: viser.ClientHandle, kind: str) -> None:
         """Write the customised last, or the chosen one, and hand it to the browser."""
-        choice, label = self._choice, str(self._file.value)
+        choice = self._choice
         if choice.custom is None and not choice.last_id:
             self._desk.say(texts.FAILED, texts.LAST_NONE, wrong=True)
             return
-        engrave = str(self._engrave.value).strip() if label in _ENGRAVED else ""
-        kind = texts.LAST_FILE_NAMES[label]
+        engrave = str(self._engrave.value).strip() if kind in _ENGRAVED else ""
         name = f"{choice.last_id}{'' if choice.custom is None else '-customised'}.{kind}"
 
         def work(progress: Any) -> bytes:
@@ -258,8 +263,20 @@ class LastTab:
             return _file_of(shoelast, name, engrave)
 
         self._desk.job(
-            texts.JOB_EXPORT, work, lambda content: client.send_file_download(name, content, save_immediately=True)
+            texts.JOB_EXPORT,
+            work,
+            lambda content: client.send_file_download(name, content, save_immediately=True),
+            keeps_nothing=True,
         )
+
+
+def _legend(choice: LastChoice) -> str:
+    """Of what the 3-D view shows now."""
+    if choice.hidden or (choice.fitted is None and choice.custom is None):
+        return ""
+    if choice.custom is not None and choice.shown == "Changed areas":
+        return legend_html(texts.LAST_LEGEND_CHANGED)
+    return legend_html(texts.LAST_LEGEND if choice.shown == "Clearance map" else texts.LAST_LEGEND_ROUND)
 
 
 def _unchanged(choice: LastChoice) -> str:

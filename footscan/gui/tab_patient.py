@@ -73,6 +73,7 @@ class PatientTab:
         name, born, number = self._name.value, self._born.value, self._number.value
         if self._work.enter(name, born, number, force=force):
             if self._desk.state.patient is not None and self._desk.state.operator:
+                self._typed.value = ""
                 self._name.value = self._born.value = self._number.value = ""
             return
         ask(

@@ -11,6 +11,7 @@ import viser
 
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
+from footscan.gui.legend import legend_html
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.records import Take
@@ -40,10 +41,9 @@ class ScanTab:
         self._verdict = gui.add_html("")
         self._accept = gui.add_button(texts.ACCEPT, hint=texts.ACCEPT_HINT, color="green", visible=False)
         self._remark = gui.add_text(texts.REMARK_LABEL, "", visible=False, hint=texts.REMARK_LABEL_HINT)
-        self._use = gui.add_button(texts.REMARK, hint=texts.REMARK_HINT, visible=False)
+        others = (texts.REMARK, texts.REPEAT, texts.REPROCESS)
+        self._else = gui.add_button_group(texts.DECIDE_ELSE, others, visible=False, hint=texts.DECIDE_ELSE_HINT)
         self._remarked: int | None = None
-        self._repeat = gui.add_button(texts.REPEAT, hint=texts.REPEAT_HINT, visible=False)
-        self._again = gui.add_button(texts.REPROCESS, hint=texts.REPROCESS_HINT, visible=False)
         with gui.add_folder(texts.KEPT_SCANS, expand_by_default=False) as self._fold:
             gui.add_html(_box(texts.KEPT_WORDS, small=True))
             self._kept = gui.add_dropdown(texts.KEPT, (texts.KEPT_NONE,))
@@ -59,10 +59,16 @@ class ScanTab:
         on_press(desk, self._check, lambda client: self._armed(client, self._scan.check))
         on_press(desk, self._start, lambda client: self._armed(client, self._scan.start))
         on_press(desk, self._accept, lambda _: self._result.accept())
-        on_press(desk, self._use, lambda _: self._result.use_with_remark(self._remark.value))
-        on_press(desk, self._repeat, lambda _: self._result.repeat(self._remark.value))
-        on_press(desk, self._again, lambda _: self._result.reprocess())
+        on_value(desk, self._else, self._decide_else)
         on_press(desk, self._file, lambda _: self._file_kept())
+
+    def _decide_else(self, pressed: str) -> None:
+        if pressed == texts.REMARK:
+            self._result.use_with_remark(self._remark.value)
+        elif pressed == texts.REPEAT:
+            self._result.repeat(self._remark.value)
+        else:
+            self._result.reprocess()
 
     def _file_kept(self) -> None:
         scan = next((scan for scan in self._desk.state.kept if _kept_words(scan) == self._kept.value), None)
@@ -103,11 +109,11 @@ class ScanTab:
         put(self._start, disabled=busy or state.step != "checked")
         put(self._note, content=_box(_note(state)))
         put(self._verdict, content=_box(_verdict(state)))
-        judged = state.take is not None and state.step == "result" and not busy
+        judged = undecided(state)
         if state.take is not None and state.take.id != self._remarked:
             self._remarked = state.take.id
             put(self._remark, value="")  # another take's remark is not signed for this one
-        for handle in (self._accept, self._remark, self._use, self._repeat, self._again):
+        for handle in (self._accept, self._remark, self._else):
             put(handle, visible=judged)
         kept = tuple(_kept_words(scan) for scan in state.kept) or (texts.KEPT_NONE,)
         put_options(self._kept, kept, self._kept.value if self._kept.value in kept else kept[0])
@@ -128,10 +134,23 @@ def check_spoiled(snapshot: Snapshot) -> bool:
 def _head(state: PageState) -> str:
     if state.patient is None:
         return f"<b>{texts.NO_PATIENT_SCAN}</b>"
-    side = state.next_side
-    following = texts.BOTH_DONE if side is None else texts.NEXT_FOOT.format(side=texts.SIDES[side])
-    words = f"{texts.FOR_PATIENT.format(name=html.escape(state.patient.name))}<br>{following} {texts.PLACEMENT_HINT}"
+    words = f"{texts.FOR_PATIENT.format(name=html.escape(state.patient.name))}<br>{_following(state)}"
     return f'{words}<br><b style="color:#a85b00">{texts.EARLIER_OPEN}</b>' if state.earlier else words
+
+
+def _following(state: PageState) -> str:
+    """What is to be done next: decide, scan the other foot, or look at both."""
+    if undecided(state) and state.take is not None:
+        return texts.DECIDE.format(side=texts.SIDES[state.take.said.side])
+    side = state.next_side
+    return (
+        texts.BOTH_DONE if side is None else f"{texts.NEXT_FOOT.format(side=texts.SIDES[side])} {texts.PLACEMENT_HINT}"
+    )
+
+
+def undecided(state: PageState) -> bool:
+    """A scan waits for somebody to say what becomes of it."""
+    return state.take is not None and state.step == "result" and state.job is None
 
 
 def _note(state: PageState) -> str:
@@ -190,7 +209,7 @@ def _coverage(report: Mapping[str, Any]) -> list[str]:
     if not skin:
         return []
     words = texts.COVERAGE.format(seen=skin["seen"], bridged=skin["bridged"], assumed=skin["assumed_sole"])
-    return [words, texts.LEGEND_ORIGIN]
+    return [words, legend_html(texts.LEGEND_ORIGIN)]
 
 
 def _kept_words(scan: StoredScan) -> str:

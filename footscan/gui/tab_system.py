@@ -126,7 +126,7 @@ def device_facts(station: Station) -> Iterator[tuple[str, str]]:
     yield texts.FACT_MACHINE, rig.scanner.machine_id or rig.scanner.name
     built_in = rig.path == builtin_config("sim")
     yield texts.FACT_RIG, texts.FACT_RIG_BUILT_IN if built_in else str(rig.path)
-    yield texts.FACT_CAMERA, f"{facts.name}: {size}, {1000.0 * facts.exposure_s:g} ms"
+    yield texts.FACT_CAMERA, f"{facts.name}: {size}, {1000.0 * facts.exposure_s:g}\u00a0ms"
     yield texts.FACT_ENCODER, f"{rig.devices.encoder.kind}, {rig.scanner.encoder.steps_per_rev} steps per turn"
     yield texts.FACT_OUTPUTS, rig.devices.io.kind
     yield texts.FACT_CALIBRATION, station.calibration_words

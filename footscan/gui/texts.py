@@ -29,7 +29,7 @@ NOT_OPENED = "footscan could not be started"
 NOT_OPENED_NEXT = "footscan has switched nothing on. Mend this, start footscan again, and load this page anew."
 STILL_OPENING = "The machine is still being opened; a moment, please."
 CLOSING = "footscan is being closed"
-DISK_FREE = "{gigabytes:.0f} GB free"
+DISK_FREE = "{gigabytes:.0f} GB of disk free"
 SIMULATED = "SIMULATED MACHINE"
 HEAD_AT = "head {degrees:.0f}°"
 HEAD_UNKNOWN = "head not homed"
@@ -51,7 +51,7 @@ CAMERA = "Camera"
 PICTURE = "Picture"
 THRESHOLD = "Threshold"
 THRESHOLD_HINT = "Grey value above which a pixel counts as laser light"
-AUTOMATIC = "Automatic threshold"
+AUTOMATIC = "Automatic"
 AUTOMATIC_HINT = "One threshold per scan, found where the tail of the background ends"
 AUTOMATIC_VALUE = "automatic: <b>{value}</b> &nbsp; in use: <b>{used}</b> &nbsp; {points} stripe points"
 ROW = "Row"
@@ -60,10 +60,10 @@ EXPOSURE = "Exposure and profile"
 EXPOSURE_TITLE = "Brightness of all pixels (log10 of count)"
 PROFILE_TITLE = "Brightness along the row"
 SHINE = "Hold for laser light"
-SHINE_HINT = "Hold the button down: the laser shines as long as you hold it. Arm first."
+SHINE_HINT = "After Check: the laser shines as long as you hold the button down"
 SHINE_LASER = "Laser"
 LASERS = ("Right", "Left")
-NO_LIGHT = "No laser is on. Hold the button below for light (arm it with Check first)."
+NO_LIGHT = "No laser is on: the picture stays grey. After Check, hold the button below for light."
 CHOSEN = "{what}: {chosen}"
 
 # Patient
@@ -103,11 +103,13 @@ DECLARE_PARTS = {
     "toe_3": "Toe 3 is missing",
     "toe_4": "Toe 4 is missing",
     "toe_5": "Little toe is missing",
-    "ray_1": "First ray (toe and ball) is missing",
-    "ray_5": "Fifth ray (toe and ball) is missing",
-    "forefoot": "The whole forefoot is missing",
+    "ray_1": "First ray is missing",
+    "ray_5": "Fifth ray is missing",
+    "forefoot": "Forefoot is missing",
 }
-DECLARE_PART_HINT = "What is missing is not looked for, and measurements that need it say so"
+DECLARE_PART_HINT = (
+    "What is missing is not looked for, and measurements that need it say so. A ray is a toe with its part of the ball"
+)
 DRESSINGS, DRESSINGS_HINT = "Dressings", "What covers the skin and where; empty when nothing does"
 DEFORMITY, DEFORMITY_HINT = "Deformity", "As the clinician declares it, such as: hallux valgus, hammer toe 2"
 NOT_SCANNED, NOT_SCANNED_HINT = (
@@ -140,7 +142,8 @@ YES, NO = "yes", "no"
 # Scan
 FOR_PATIENT = "Scan for <b>{name}</b>"
 NEXT_FOOT = "Next: the {side} foot."
-BOTH_DONE = "Both feet are done for today. Repeat one, or take the next patient."
+BOTH_DONE = "Both feet are done for today. Look at them (Inspect tab), repeat one, or take the next patient."
+DECIDE = "Look at the {side} foot, and say below what becomes of this scan."
 NO_PATIENT_SCAN = "Choose a patient in the Patient tab first."
 SIDE, LOAD, SURFACE, PROFILE = "Foot", "Load", "Skin", "Density"
 SIDE_HINT = "Which foot stands on the board"
@@ -181,9 +184,11 @@ RESULT_NONE = "No result yet."
 RESULT_OF = "{side} foot, take {number}"
 ACCEPT, REMARK, REPEAT, REPROCESS = "Accept", "Use with remark", "Repeat", "Measure again"
 ACCEPT_HINT = "Mark this take as the one to work with"
-REMARK_HINT = "Use it all the same; your remark is kept with your name"
-REPEAT_HINT = "The take is kept but not used; scan this foot again"
-REPROCESS_HINT = "With the threshold on the left, without the patient; the earlier result is kept"
+DECIDE_ELSE = "Or"
+DECIDE_ELSE_HINT = (
+    "Use with remark: the take to work with, your remark is kept with your name. Repeat: it is kept but not used; scan "
+    "this foot again. Measure again: with the threshold on the left, without the patient; the earlier result is kept"
+)
 REMARK_LABEL = "Remark"
 REMARK_LABEL_HINT = "Why it is used although it is not quite right, or why it is repeated"
 REMARK_NEEDED = "Type a remark first: it says why."
@@ -200,11 +205,12 @@ TAKE = "Take"
 SHOW = "Show"
 SHOW_HINT = "Shaded; by where the skin comes from; or by how far the measured points lie from the surface"
 OTHER_FOOT_HINT = "The other side of the same patient, for comparison"
+OTHER_FOOT_NONE = "The other foot of this patient was not measured yet: scan it in the Scan tab."
 MEASUREMENTS = "Measurements"
 SHOW_KINDS = ("Shaded", "Seen / assumed", "Distance to points")
 OTHER_FOOT = "Other foot beside it"
 SECTION = "Section"
-SECTION_SHARE = "Place (% of length)"
+SECTION_SHARE = "Place (%)"
 SECTION_SHARE_HINT = "Of the foot's length, from the heel"
 SECTION_TURN = "Turn (°)"
 SECTION_TURN_HINT = "Around the vertical; 0 cuts across the foot"
@@ -231,24 +237,35 @@ SMOOTH_TRIED = "Shown: filter {filter:g}, smoothed over {smooth:g} mm"
 SMOOTH_BACK = "Back to the foot as measured"
 SMOOTH_BACK_HINT = "The copy is thrown away"
 PRICE_HEAD = "<tr><th>What</th><th>Before</th><th>After</th><th>Change</th></tr>"
-DOWNLOADS, FILE = "Downloads", "File"
-DOWNLOAD_HINT = (
-    "STL, PLY: the surface (mm). JSON: all measurements. Table: the same as CSV. Sections: one every 5 %. Picture: page"
+DOWNLOADS = "Downloads of the chosen take"
+DOWNLOAD_TABLE = "Table (CSV)"
+DOWNLOAD_NAMES = {
+    "Surface": {"STL": "surface.stl", "PLY": "surface.ply", "Picture": "report.png"},
+    "Measurements": {DOWNLOAD_TABLE: "measurements.csv", "JSON": "measurements.json"},
+    "Sections": {"Sections (CSV)": "sections.csv"},
+}
+DOWNLOAD_HINTS = {
+    "Surface": "The skin as measured, in mm: STL for milling and printing, PLY with colours; a page of pictures",
+    "Measurements": "All values with intervals, marks and definitions: for a spreadsheet, or for programs",
+    "Sections": "Cuts across the foot, one every 5 % of its length, for a spreadsheet",
+}
+LOOK = "Look from"
+LOOK_HINT = (
+    "Turns the 3-D view; drag it with the mouse to turn, scroll to come nearer, drag with the right button to move"
 )
-DOWNLOAD_TABLE = "Table"
-DOWNLOAD_NAMES = {"STL": "surface.stl", "PLY": "surface.ply", "JSON": "measurements.json",
-                  DOWNLOAD_TABLE: "measurements.csv", "Sections": "sections.csv", "Picture": "report.png"}  # fmt: skip
+LOOK_FROM = {"Start": (0.30, -0.42, 0.30), "Top": (-0.01, 0.0, 0.62), "‹ Left": (0.0, 0.52, 0.09),
+             "Right ›": (0.0, -0.52, 0.09), "Front": (0.55, 0.0, 0.12), "Back": (-0.55, 0.0, 0.12)}  # fmt: skip
+WAYS = (("toes", "heel"), ("inner side", "outer side"), ("up", "sole"))
 MEASURE_HEAD = "<tr><th>What</th><th>Value</th><th>Interval</th><th></th></tr>"
+COMPARE_HEAD = "<tr><th>What</th><th>Left</th><th>Right</th><th>Difference</th></tr>"
+COMPARE_NOTE = "Difference: right less left."
+COMPARE_NONE = "none"
+COMPARE_SECTION = "<b>{side}</b> ({line}): "
+COMPARE_LINES = ("solid", "dashed")
 MEASURE_NONE = "could not be measured"
 MEASURE_MARKS = "⚠ not reliable, ◆ unusual: point at the mark for the reason, at a name for its definition."
-LEGEND_ORIGIN = (
-    '<span style="color:#e0a080">■</span> seen &nbsp; <span style="color:#e8c020">■</span> bridged '
-    '&nbsp; <span style="color:#8090a0">■</span> assumed'
-)
-LEGEND_RESIDUAL = (
-    '<span style="color:#2060ff">■</span> 0 mm &nbsp; <span style="color:#30c060">■</span> 0.2 mm &nbsp; '
-    '<span style="color:#ff3020">■</span> 0.4 mm or more &nbsp; <span style="color:#8090a0">■</span> not seen'
-)
+LEGEND_ORIGIN = (("#e0a080", "seen"), ("#e8c020", "bridged"), ("#8090a0", "assumed"))
+LEGEND_RESIDUAL = (("#2060ff", "0 mm"), ("#30c060", "0.2 mm"), ("#ff3020", "0.4 mm or more"), ("#8090a0", "not seen"))
 
 # Calibrate
 CALIBRATE_IN_FORCE = "<b>In force:</b>"
@@ -276,13 +293,13 @@ BOARD_PRINT = "Print the board (PDF)"
 BOARD_PRINT_HINT = "On A4 landscape at 100 %, no fitting to the page; glue it on a stiff flat plate"
 BOARD_FILE = "calibration-board.pdf"
 BOARD_WORDS = (
-    "Measure the printed board with a calliper, over all squares and without the white border. "
+    "Measure the printed board with a calliper, along a row and along a column: all squares, without the white border. "
     "<b>Every later length rests on it.</b>"
 )
 BOARD_AFTERWARDS = (
     "The lengths go into the fields {row} and {column} at the top of this tab; then compute again from this recording."
 )
-BOARD_ROW, BOARD_COLUMN = "Board along a row (mm)", "Board along a column (mm)"
+BOARD_ROW, BOARD_COLUMN = "Board row (mm)", "Board column (mm)"
 BOARD_HINT = (
     "Nominally {nominal:g} mm; enter what the calliper says, 0 when it was not measured. "
     "Without both lengths the scale is not verified."
@@ -339,7 +356,7 @@ LOG_EMPTY = "Nothing has happened yet."
 WORKING = "Working"
 CANCEL = "Cancel"
 CANCEL_HINT = "Ends what is being done; what was captured is kept"
-CANCELLING = "Cancelling"
+CANCELLING = "Cancelling …"
 CANCELLED = "{what}: cancelled."
 FAILED = "That did not work"
 INTERNAL = "Something unexpected happened ({what}). Lasers and motor are off. Start footscan again if it stays."
@@ -361,16 +378,16 @@ JOB_IN_FORCE, JOB_EXAMINE, JOB_DRILL = "Opening the machine again", "Examining",
 LAST_FOOT = "Foot to fit"
 LAST_PROFILE = "Room for the foot"
 LAST_PROFILE_HINT = "therapeutic: the whole seen foot inside; comfort and dress: some pressure is usual"
-LAST_RANK = "Rank the lasts"
+LAST_RANK = "1  Rank the lasts"
 LAST_RANK_HINT = "Compares the foot's measurements with every last of its side"
 LAST_CHOSEN = "Last"
 LAST_NONE = "(rank the lasts first)"
-LAST_COMPARE = "Lay it round the foot"
+LAST_COMPARE = "2  Lay it round the foot"
 LAST_COMPARE_HINT = "Places the foot in the chosen last and measures the room; needs a moment"
 LAST_SHOW = "Show last as"
 LAST_SHOW_KINDS = ("Last round the foot", "Clearance map", "Changed areas")
-LAST_HIDE = "Show the scan again"
-LAST_HIDE_HINT = "Takes the last out of the 3-D view"
+LAST_HIDE, LAST_UNHIDE = "Show the scan again", "Show the last again"
+LAST_HIDE_HINT = "What the 3-D view shows; nothing is lost by it"
 LAST_FOOT_NONE = "No measured foot yet. Scan one, or choose a patient who has one."
 FOOT_NONE = "(no measured foot yet)"
 LAST_ROOM = "<b>Room in the last of the library, {name}:</b>"
@@ -386,7 +403,10 @@ LAST_RANKING_NOTE = "Lower is better. Columns: last less foot, mm. Length: free 
 LAST_REGION_HEAD = (
     "<tr><th>Region</th><th>Least</th><th>5 %</th><th>Mean</th><th>95 %</th><th>Tight</th><th>Loose</th></tr>"
 )
-LAST_REGION_NOTE = "Room in mm of skin that was seen, above the feather edge; negative: the foot stands out."
+LAST_REGION_NOTE = (
+    "Room in mm of skin that was seen, above the feather edge; negative: the foot stands out. Tight: share of the skin "
+    "with less room than asked for. Loose: with much more."
+)
 LAST_GIRTH_HEAD = "<tr><th>Tape, mm</th><th>Foot</th><th>Last</th><th>Last less foot</th></tr>"
 LAST_ALLOWANCES = "Allowances"
 LAST_TRANSITION = "Transition (mm)"
@@ -395,9 +415,17 @@ LAST_SMOOTH = "Smooth within (mm)"
 LAST_SMOOTH_HINT = (
     "The customised last may move by so much where that makes it fairer; the proof is about the smoothed last"
 )
-LAST_HOLD = "May take material away"
-LAST_HOLD_HINT = "At heel sides, waist and instep, where the foot has too much room; never at the toes"
-LAST_PIN_AT = "Pin at"
+LAST_HOLD = "Take material away"
+LAST_HOLD_HINT = "Allowed at heel sides, waist and instep, where the foot has too much room; never at the toes"
+LAST_PIN_AT, LAST_PIN_AT_HINT = (
+    "Pin at",
+    "Where the last gets room of its own, such as over a bunion: the inner ball joint",
+)
+LAST_PLACES = {
+    "metatarsale_tibiale": "inner ball joint", "metatarsale_fibulare": "outer ball joint", "toe_1_tip": "big toe",
+    "toe_2_tip": "toe 2", "toe_3_tip": "toe 3", "toe_4_tip": "toe 4", "toe_5_tip": "little toe",
+    "instep_point": "instep", "pternion": "back of the heel",
+}  # fmt: skip
 LAST_PIN_RADIUS = "Pin radius (mm)"
 LAST_PIN_EXTRA = "Pin room (mm)"
 LAST_PIN_EXTRA_HINT = "Added to the least room there; negative where the last may press"
@@ -406,7 +434,7 @@ LAST_PIN_ADD_HINT = "A spot allowance, such as for a bunion or a hammer toe"
 LAST_PIN_CLEAR = "Take all pins out"
 LAST_PINS = "Pins ({count}): {words}"
 LAST_PINS_NONE = "No pins."
-LAST_CUSTOMISE = "Customise"
+LAST_CUSTOMISE = "3  Customise"
 LAST_CUSTOMISE_HINT = "The smoothest change of the last that holds the foot; a few seconds"
 LAST_RESULT = "Customised last"
 LAST_RESULT_NONE = "Nothing customised yet."
@@ -419,18 +447,20 @@ LAST_PROOF = (
 LAST_UNMET = "Not met: {what}"
 LAST_DIMENSION_HEAD = "<tr><th>Dimension</th><th>Before</th><th>After</th></tr>"
 LAST_FILES = "Take the last away"
-LAST_FILE = "As"
-LAST_FILE_HINT = "The real side, mm, with its datum; STL, OBJ and PLY within 0.02 mm of the surface"
-LAST_FILE_NAMES = {"STL": "stl", "3DM": "3dm", "STEP": "step", "DXF": "dxf", "Sheet": "pdf", "JSON": "json"}
+LAST_FILE_NAMES = {
+    "Solid (mm)": {"STL": "stl", "3DM": "3dm", "STEP": "step"},
+    "Papers": {"Sheet (PDF)": "pdf", "DXF": "dxf", "JSON": "json"},
+}
+LAST_FILE_HINTS = {
+    "Solid (mm)": "The real side, with its datum; STL is within 0.02 mm of the surface, 3DM and STEP hold the surface",
+    "Papers": "Sheet: sections, dimensions and proof to print. DXF: curves. JSON: all numbers, for programs",
+}
 LAST_ENGRAVE = "Engrave"
 LAST_ENGRAVE_HINT = "Cut into the cone top of STL and 3DM: order, side, size; no patient's name"
 LAST_LEGEND = (
-    '<span style="color:#8c0a14">■</span> -6 mm &nbsp; <span style="color:#fa965a">■</span> -2 &nbsp; '
-    '<span style="color:#999">□</span> 0 &nbsp; <span style="color:#6eb4eb">■</span> 3 &nbsp; '
-    '<span style="color:#0f2d78">■</span> 10 mm &nbsp; <span style="color:#969696">■</span> '
-    "never seen, or above the last: not judged"
-)
-LAST_LEGEND_CHANGED = (
-    '<span style="color:#b08050">■</span> as the standard last &nbsp; <span style="color:#bbb">■</span> changed'
-)
+    ("#8c0a14", "−6 mm (too tight)"), ("#fa965a", "−2 mm"), ("#ffffff", "0 mm"), ("#6eb4eb", "3 mm"),
+    ("#0f2d78", "10 mm of room"), ("#969696", "not judged: never seen, or above the last"),
+)  # fmt: skip
+LAST_LEGEND_CHANGED = (("#b08050", "as the standard last"), ("#d6d6d6", "changed"))
+LAST_LEGEND_ROUND = (("#e0a080", "foot as seen"), ("#969696", "foot never seen"), ("#d6c0a4", "the last, see-through"))
 JOB_RANK, JOB_FIT, JOB_CUSTOMISE, JOB_EXPORT = "Ranking lasts", "Laying the last", "Customising", "Writing the last"

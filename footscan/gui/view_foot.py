@@ -6,13 +6,14 @@ The scene is in metres; everything else here is in millimetres.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
-from footscan.coordinates import WORKING_RADIUS_MM, Floats, LaserName
+from footscan.coordinates import WORKING_RADIUS_MM, Floats, LaserName, Side
 from footscan.gui import texts
 from footscan.gui.matte import matte_glb
 from footscan.gui.placement import LitFrame, lit_points
@@ -23,6 +24,7 @@ from footscan.scanning.session.states import Snapshot, State
 if TYPE_CHECKING:
     import trimesh
 
+LOOK_AT = (0.0, 0.0, 0.07)
 _M = 0.001
 _CLOUD_EVERY_S = 0.5
 _MOST_POINTS = 2500  # of one batch
@@ -49,7 +51,9 @@ class FootView:
         self._next_s = 0.0
         self._held: tuple[LaserName, float] | None = None
         self._placed: set[LaserName] = set()
-        self._feet: list[viser.GlbHandle | viser.MeshHandle] = []
+        self._feet: list[viser.GlbHandle | viser.LabelHandle] = []
+        self._section: list[viser.LineSegmentsHandle] = []
+        self._visible = True
         scene = server.scene
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)  # with it and shadows a browser without a graphics card stalls for 15 s
@@ -58,7 +62,7 @@ class FootView:
         scene.add_grid("/board", 0.4, 0.4, cell_size=0.02, section_size=0.1, plane="xy", shadow_opacity=0.0)
         _draw_marks(scene)
         camera = server.initial_camera
-        camera.position, camera.look_at, camera.near = (0.30, -0.42, 0.30), (0.0, 0.0, 0.07), 0.01
+        camera.position, camera.look_at, camera.near = texts.LOOK_FROM["Start"], LOOK_AT, 0.01
 
     def tick(self, snapshot: Snapshot) -> None:
         """Add the points that have come since the last time, and the line of a laser held on."""
@@ -125,19 +129,23 @@ class FootView:
         )
         self._batches += 1
 
-    def show_feet(self, meshes: list[trimesh.Trimesh], shown: Shown) -> None:
-        """Show one foot, or two side by side; none clears the place."""
+    def show_feet(self, feet: Mapping[Side, trimesh.Trimesh], shown: Shown) -> None:
+        """Show one foot, or both side by side as they stand, with their names; none clears the place."""
         for handle in self._feet:
             handle.remove()
         self._feet = []
-        aside_mm = _BESIDE_MM / 2 if len(meshes) > 1 else 0.0
-        for number, mesh in enumerate(meshes):
-            y_mm = aside_mm * (1 if number == 0 else -1)
-            self._feet.append(self._add_mesh(f"/foot/{number}", mesh, shown, y_mm))
+        for side, mesh in feet.items():
+            y_mm = aside_mm(side) if len(feet) > 1 else 0.0
+            self._feet.append(self._add_mesh(f"/foot/{side}", mesh, shown, y_mm))
+            if len(feet) > 1:
+                place_m = (-0.16, y_mm * _M, 0.0)
+                self._feet.append(self._scene.add_label(f"/foot-label/{side}", texts.SIDES[side], position=place_m))
+        self.show_or_hide(self._visible)
 
     def show_or_hide(self, visible: bool) -> None:
-        """Hide the feet while a last is shown in their place."""
-        for handle in self._feet:
+        """Hide the feet and the cut while a last is shown in their place."""
+        self._visible = visible
+        for handle in (*self._feet, *self._section):
             handle.visible = visible
 
     def _add_mesh(self, name: str, mesh: trimesh.Trimesh, shown: Shown, y_mm: float) -> viser.GlbHandle:
@@ -147,14 +155,23 @@ class FootView:
         glb = matte_glb(drawn, colours(mesh, shown))
         return self._scene.add_glb(name, glb, position=(0.0, y_mm * _M, 0.0), cast_shadow=False, receive_shadow=False)
 
-    def show_section(self, polylines: tuple[Floats, ...]) -> None:
+    def show_section(self, polylines: Sequence[Floats]) -> None:
         """Draw a cut around the foot, `(k, 3)` world mm each; none removes it."""
+        for handle in self._section:
+            handle.remove()
+        self._section = []
         pieces = [np.stack([line[:-1], line[1:]], axis=1) for line in polylines if len(line) > 1]
         if not pieces:
-            self._scene.remove_by_name("/section")
             return
-        segments = np.concatenate(pieces) * _M
-        self._scene.add_line_segments("/section", segments, (200, 0, 120), thickness=4.0, thickness_units="screen")
+        segments, rgb = np.concatenate(pieces) * _M, (200, 0, 120)
+        drawn = self._scene.add_line_segments("/section", segments, rgb, thickness=4.0, thickness_units="screen")
+        drawn.visible = self._visible
+        self._section = [drawn]
+
+
+def aside_mm(side: Side) -> float:
+    """Where a foot stands beside the other one: x points to the toes, so the left foot has the larger y."""
+    return _BESIDE_MM / 2 if side == "left" else -_BESIDE_MM / 2
 
 
 def _above_board(xyz_world: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
@@ -192,4 +209,4 @@ def _draw_marks(scene: viser.SceneApi) -> None:
     for name, lines, rgb in marks:
         scene.add_line_segments(name, lines * np.float32(_M), rgb, thickness=3.0, thickness_units="screen")
     scene.add_label("/toes-label", texts.TOES, position=(0.205, 0.0, 0.0))
-    scene.add_label("/measured-label", texts.MEASURED_RIM, position=(0.0, -0.205, 0.0))
+    scene.add_label("/measured-label", texts.MEASURED_RIM, position=(-0.165, -0.165, 0.0))

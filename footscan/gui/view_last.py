@@ -8,13 +8,13 @@ import numpy as np
 import viser
 
 from footscan.coordinates import Bytes, Floats, Ints, Side
-from footscan.gui.last_choice import FittedLast, LastChoice
+from footscan.gui.last_choice import LastChoice
 from footscan.gui.matte import matte_glb
 from footscan.gui.view_foot import FootView
 
 if TYPE_CHECKING:
-    from footscan.shoelast.custom_last import CustomLast
     from footscan.shoelast.foot_pose import PosedFoot
+    from footscan.shoelast.skin import LastSkin
 
 _M = 0.001
 _SKIN = (224, 160, 128)
@@ -40,38 +40,40 @@ class LastView:
 
     def show(self, choice: LastChoice, target_mm: float = 0.0) -> None:
         """What was chosen: the last round the foot, the clearance map, or what was changed."""
+        from footscan.gui.fitting import custom_clearance
         from footscan.workflow.lasts_colours import change_colours
 
         self.clear()
         fitted, custom = choice.fitted, choice.custom
-        if choice.shown == "Changed areas" and custom is not None:
+        if choice.hidden:
+            return
+        if custom is not None and choice.shown == "Changed areas":
             skin = custom.skin
             self._add(
                 "changed", skin.xyz_shoelast, skin.faces, change_colours(custom.displacement_mm), custom.shoelast.side
             )
+        elif custom is not None:
+            clearance = custom_clearance(custom) if choice.shown == "Clearance map" else None
+            self._round_the_foot(custom.posed, custom.skin, custom.shoelast.side, clearance, target_mm)
         elif fitted is not None and fitted.comparison.posed is not None:
-            self._round_the_foot(choice, fitted, fitted.comparison.posed, custom, target_mm)
+            clearance = fitted.clearance_mm if choice.shown == "Clearance map" else None
+            self._round_the_foot(fitted.comparison.posed, fitted.skin, fitted.shoelast.side, clearance, target_mm)
         if self._handles:
-            self._feet.show_section(())
             self._feet.show_or_hide(False)
 
     def _round_the_foot(
-        self, choice: LastChoice, fitted: FittedLast, posed: PosedFoot, custom: CustomLast | None, target_mm: float
+        self, foot: PosedFoot, skin: LastSkin, side: Side, clearance_mm: Floats | None, target_mm: float
     ) -> None:
-        from footscan.gui.fitting import custom_clearance
+        """The posed foot coloured by its room in the last, or, without clearance, the last see-through round it."""
         from footscan.workflow.lasts_colours import UNSEEN, clearance_colours
 
-        side = fitted.shoelast.side
-        foot = posed if custom is None else custom.posed
         xyz, faces = foot.shell.xyz, np.asarray(foot.shell.faces)
-        if choice.shown == "Clearance map":
-            clearance = fitted.clearance_mm if custom is None else custom_clearance(custom)
-            self._add("clearance", xyz, faces, clearance_colours(clearance, target_mm), side)
+        if clearance_mm is not None:
+            self._add("clearance", xyz, faces, clearance_colours(clearance_mm, target_mm), side)
             return
         seen = np.zeros(len(xyz), dtype=np.bool_)
         seen[faces[foot.foot.face_seen]] = True
         self._add("foot", xyz, faces, np.where(seen[:, None], _SKIN, UNSEEN).astype(np.uint8), side)
-        skin = fitted.skin if custom is None else custom.skin
         self._add_clear(skin.xyz_shoelast, skin.faces, side)
 
     def _add(self, name: str, xyz: Floats, faces: Ints, rgb: Bytes, side: Side) -> None:

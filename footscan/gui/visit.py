@@ -11,6 +11,7 @@ from footscan.errors import DuplicatePatientError, FootscanError
 from footscan.gui import texts
 from footscan.gui.desk import Command, Desk, Progress
 from footscan.gui.earlier import Earlier, find_earlier
+from footscan.gui.last_choice import LastChoice
 from footscan.gui.state import PageState, ScanChoice
 from footscan.gui.station import Station
 from footscan.records import Correction, Foot, FootFacts, NewPatient, Patient, Take
@@ -65,7 +66,8 @@ class PatientWork:
             note="",
             scan=scan,
             earlier=self._earlier(patient_id, scan),
-            inspect=replace(state.inspect, take_id=in_use),
+            inspect=replace(state.inspect, take_id=in_use, tried=None),
+            last=LastChoice(profile=state.last.profile),  # not the last of somebody else
         )
 
     def enter(self, name: str, born: str, number: str, *, force: bool = False) -> bool:

@@ -72,7 +72,8 @@ class ScanWork:
     def check(self) -> None:
         """Home if needed, and look at everything that can spoil the scan; the machine is armed."""
         settings = self._settings()
-        self._desk.change(step="idle", findings=(), note="", take=None, report=None)
+        last = replace(self._desk.state.last, hidden=True)  # the place is the foot's
+        self._desk.change(step="idle", findings=(), note="", take=None, report=None, last=last)
         self._view.hide_cloud()
         self._view.clear_placement()
         self._desk.job(texts.JOB_CHECK, lambda progress: self._look(settings), self._checked, self._stopped, self._stop)

@@ -14,6 +14,7 @@ from footscan.shoelast.foot_pose import pose_foot
 from footscan.shoelast.foot_samples import sample_foot
 from footscan.shoelast.girth_wish import check_girths
 from footscan.shoelast.model import Shoelast
+from footscan.shoelast.obstacle import Watch, unwatched
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.profile import Profile, load_profile, uniform_profile
 from footscan.shoelast.refusals import check_side, check_size
@@ -31,6 +32,7 @@ def customise(
     foot: PreparedFoot | trimesh.Trimesh,
     clearance: Profile | str | float = "therapeutic",
     settings: CustomSettings | None = None,
+    watch: Watch = unwatched,
 ) -> CustomLast:
     """Change a last as smoothly as possible so that it holds a foot.
 
@@ -39,6 +41,7 @@ def customise(
         foot: Prepared, or a mesh in mm standing on z = 0 (taken to be of the last's side).
         clearance: A profile, its name, or one clearance (mm) for everywhere.
         settings: Transition length, insole, joints, pins, girths; None for the defaults.
+        watch: Called often; what it raises ends the work.
 
     Raises:
         InputError: The wrong side, an unknown profile, or a mesh that is no foot.
@@ -53,14 +56,19 @@ def customise(
     with threadpool_limits(1), ThreadPoolExecutor(1) as beside:  # two BLAS threads would only wait for each other
         ready = beside.submit(make_ready, shoelast, settings.transition_mm)
         posed = pose_foot(prepared, shoelast, settings.stack, settings.joints)
+        watch()
         posed, registration = register(posed, shoelast, sample_foot(posed, REGISTERING), profile)
+        watch()
         check_size(shoelast, posed, registration)
-        case = build_case(ready.result(), judge_foot(shoelast, posed), profile, settings)
+        judged = judge_foot(shoelast, posed)
+        watch()
+        case = build_case(ready.result(), judged, profile, settings)
+        watch()
         before = beside.submit(measure_standard, case.shoelast)
-        found = DisplacementTask(case).solved(registration, before)
+        found = DisplacementTask(case, watch=watch).solved(registration, before)
         if found.outside_mm <= MOST_OUTSIDE_MM:
             return found
-        return DisplacementTask(case, DRAWN_IN_MM).solved(registration, before)
+        return DisplacementTask(case, DRAWN_IN_MM, watch).solved(registration, before)
 
 
 def _profile(clearance: Profile | str | float) -> Profile:

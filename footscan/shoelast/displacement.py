@@ -21,7 +21,7 @@ from footscan.shoelast.fairing import faired, smoothing_of
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.girth_wish import girth_places, girth_pulls
 from footscan.shoelast.need import Need, find_need, parameters_at
-from footscan.shoelast.obstacle import Pull, Rows, Unknowns, find_unknowns, solve_smoothest
+from footscan.shoelast.obstacle import Pull, Rows, Unknowns, Watch, find_unknowns, solve_smoothest, unwatched
 from footscan.shoelast.refusals import check_not_everywhere
 from footscan.shoelast.registration import Registration
 from footscan.shoelast.skin import Breaks, LastSkin, skin_of
@@ -43,13 +43,15 @@ _RISE_REACH = 3.0
 class DisplacementTask:
     """The displacement of one case."""
 
-    def __init__(self, case: FitCase, drawn_in_mm: float = 0.0) -> None:
+    def __init__(self, case: FitCase, drawn_in_mm: float = 0.0, watch: Watch = unwatched) -> None:
         """Begin with the standard last's mesh.
 
         Args:
             case: Last and foot.
             drawn_in_mm: How much nearer than the transition length the change has to end.
+            watch: Called before every step; what it raises ends the work.
         """
+        self._watch = watch
         self.case, self._reach_mm = case, case.transition_mm - drawn_in_mm
         self.breaks, self.skin, self.mesh = case.breaks, case.skin, case.mesh
         self._fine: Ints = np.empty(0, dtype=np.int64)
@@ -65,11 +67,14 @@ class DisplacementTask:
         some = np.flatnonzero(case.judged.seen)
         need, signed_mm = find_need(case.chart, self.skin, self.mesh, case.samples.xyz[some], case.room.of(some))
         check_not_everywhere(case.shoelast, signed_mm)
+        self._watch()
         widening = find_widening(case.chart, need, case.profile.most_overhang_mm)
         asked = ask(case, need, widening, girth_places(self.skin, case.shoelast.points, self._wanted_girths))
+        self._watch()
         bridged = self._bridged()
         for one in bridged:
             asked = with_bridged(case, asked, one)
+        self._watch()
         self._near = case.region.near(asked.places, self._reach_mm)
         doubtful = some[signed_mm + case.room.least_mm[some] > -self._most_loss(asked) - _DOUBTFUL_MM]
         state = self._first(asked)
@@ -165,10 +170,11 @@ class DisplacementTask:
     def _solve(self, unknowns: Unknowns, rows: tuple[Rows, ...], pulls: tuple[Pull, ...]) -> Floats:
         self._fine = np.union1d(self._fine, unknowns.fine)
         reachable = [_reachable(row, unknowns) for row in rows]
-        found = solve_smoothest(self.case.stiffness, unknowns, reachable, list(pulls))
+        found = solve_smoothest(self.case.stiffness, unknowns, reachable, list(pulls), self._watch)
         return unknowns.coefficients(found, self.case.chart.shape)
 
     def _state(self, coefficients: Floats, breaks: Breaks | None) -> Displaced:
+        self._watch()
         moved = self.case.displaced(coefficients)
         skin = skin_of(moved, breaks)
         same = self.mesh.xyz.shape == skin.xyz_shoelast.shape
@@ -187,6 +193,7 @@ class DisplacementTask:
             `(n,)` distances, NaN where nobody looked, and indices of samples that lack room or have next to none beside
             one that lacks it; none when all have enough.
         """
+        self._watch()
         case = self.case
         signed = np.full(len(case.samples.xyz), np.nan) if known is None else known.copy()
         new = which[np.isnan(signed[which])]

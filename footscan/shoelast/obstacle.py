@@ -4,6 +4,7 @@ Unknown are the coefficients of a scalar field on a chart (`chart.py`). Some are
 so that the field is zero along it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -125,7 +126,17 @@ class Pull:
     weight: Floats
 
 
-def solve_smoothest(energy: Sparse, unknowns: Unknowns, rows: list[Rows], pulls: list[Pull]) -> Floats:
+Watch = Callable[[], None]
+"""Called often by what takes long; what it raises ends the work."""
+
+
+def unwatched() -> None:
+    """Nobody wants to end it."""
+
+
+def solve_smoothest(
+    energy: Sparse, unknowns: Unknowns, rows: list[Rows], pulls: list[Pull], watch: Watch = unwatched
+) -> Floats:
     """Minimise c' K c and the pulls under the rows and bounds.
 
     Args:
@@ -133,6 +144,7 @@ def solve_smoothest(energy: Sparse, unknowns: Unknowns, rows: list[Rows], pulls:
         unknowns: Which coefficients may change.
         rows: Conditions.
         pulls: Wishes.
+        watch: Called in every iteration.
 
     Returns:
         The unknown coefficients `(n,)`.
@@ -155,10 +167,10 @@ def solve_smoothest(energy: Sparse, unknowns: Unknowns, rows: list[Rows], pulls:
     bounded = np.flatnonzero(np.isfinite(unknowns.least))
     left.append(-sparse.identity(spread.shape[1], format="csr")[bounded])
     right.append(-unknowns.least[bounded])
-    return _clarabel(quadratic, linear, sparse.vstack(left, format="csc"), np.concatenate(right))
+    return _clarabel(quadratic, linear, sparse.vstack(left, format="csc"), np.concatenate(right), watch)
 
 
-def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats) -> Floats:
+def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats, watch: Watch = unwatched) -> Floats:
     """Minimise 1/2 x' P x + q' x subject to A x <= b."""
     solver: Any = clarabel
     settings = solver.DefaultSettings()
@@ -171,7 +183,20 @@ def _clarabel(quadratic: Sparse, linear: Floats, left: Sparse, right: Floats) ->
     scale = 1.0 / max(float(abs(quadratic).max()), 1e-300)
     upper = sparse.triu(quadratic * scale, format="csc")
     cones = [solver.NonnegativeConeT(left.shape[0])]
-    found = solver.DefaultSolver(upper, linear * scale, left, right, cones, settings).solve()
+    programme = solver.DefaultSolver(upper, linear * scale, left, right, cones, settings)
+    ended: list[BaseException] = []
+
+    def asked_to_end(_: Any) -> bool:
+        try:
+            watch()
+        except BaseException as err:  # noqa: BLE001 - it cannot pass through the solver, and is raised behind it
+            ended.append(err)
+        return bool(ended)
+
+    programme.set_termination_callback(asked_to_end)
+    found = programme.solve()
+    if ended:
+        raise ended[0]
     status = str(found.status)
     if status not in ("Solved", "AlmostSolved"):
         raise QualityError(

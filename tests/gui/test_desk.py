@@ -122,6 +122,41 @@ def test_cancelling_is_shown_at_once_and_its_end_is_no_failure(desk: Desk, told:
     assert told == [(texts.CANCELLED.format(what="customising"), "", False)]
 
 
+def test_what_was_only_computed_is_left_when_it_was_cancelled_meanwhile(desk: Desk) -> None:
+    computing, go = threading.Event(), threading.Event()
+    kept: list[int] = []
+
+    def work(progress: Progress) -> int:
+        computing.set()
+        go.wait(20.0)  # it never looks whether somebody cancelled
+        return 7
+
+    for keeps_nothing in (True, False):
+        computing.clear(), go.clear()
+        desk.post(lambda it=keeps_nothing: desk.job("ranking", work, kept.append, keeps_nothing=it) and None)
+        assert computing.wait(20.0)
+        desk.cancel()
+        go.set()
+        until(lambda: desk.state.job is None)
+    until(lambda: bool(kept))
+
+    assert kept == [7]
+
+
+def test_asking_often_whether_somebody_cancelled_shows_nothing_anew(desk: Desk) -> None:
+    shown: list[object] = []
+    desk.listen(lambda state: shown.append(state.job))
+
+    def work(progress: Progress) -> None:
+        for _ in range(1000):
+            progress(2, 3)
+
+    desk.post(lambda: desk.job("customising", work, lambda made: None) and None)
+    until(lambda: len(shown) > 1 and shown[-1] is None)
+
+    assert len(shown) < 6
+
+
 def test_a_job_that_fails_says_why_and_frees_the_desk(desk: Desk, told: Told) -> None:
     def work(progress: Progress) -> None:
         raise DeviceError("the camera is gone.")

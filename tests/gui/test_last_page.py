@@ -31,7 +31,7 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     clinician.chooses(texts.LAST_SHOW, "Clearance map")
     until(lambda: desk.state.last.shown == "Clearance map")
     clinician.presses(texts.LAST_PIN_ADD)
-    clinician.sees("Pins (1): metatarsale tibiale +2 mm over 15 mm")
+    clinician.sees("Pins (1): inner ball joint +2 mm over 15 mm")
     clinician.presses(texts.LAST_CUSTOMISE)
     until(lambda: desk.state.last.custom is not None)
     custom = desk.state.last.custom
@@ -50,4 +50,8 @@ def test_from_a_measured_foot_to_a_customised_last(clinician: Operator, served: 
     assert milled.volume == pytest.approx(made.volume, rel=1e-3)
     assert sorted(milled.extents) == pytest.approx(sorted(made.extents), abs=0.1)
     clinician.presses(texts.LAST_HIDE)
-    until(lambda: desk.state.last.custom is None)
+    clinician.button(texts.LAST_UNHIDE).wait_for()
+    assert desk.state.last.custom is custom
+    clinician.takes_patient("Jürgen Muster")
+
+    assert (desk.state.last.custom, desk.state.last.ranking) == (None, ())

@@ -4,7 +4,7 @@ import csv
 import io
 from typing import Any
 
-from footscan.gui.measurement_tables import measurement_table, measurements_csv, price_table
+from footscan.gui.measurement_tables import comparison_table, measurement_table, measurements_csv, price_table
 
 
 def _value(value: float | None, *, reliable: bool = True, reason: str = "", unusual: str = "") -> dict[str, Any]:
@@ -42,6 +42,24 @@ def test_a_proportion_is_shown_with_three_places_and_no_unit() -> None:
     index = _value(0.3148) | {"unit": "1", "interval": None}
 
     assert ">0.315<" in measurement_table({"height_index": index})
+
+
+def test_units_are_written_as_people_write_them() -> None:
+    table = measurement_table(
+        {"toe_1_angle": _value(23.9) | {"unit": "deg"}, "volume": _value(766.8) | {"unit": "cm3"}}
+    )
+
+    assert "23.9 °" in table and "766.8 cm³" in table
+
+
+def test_both_feet_stand_beside_each_other_with_their_difference_and_their_marks() -> None:
+    table = comparison_table(MEASURED, {**MEASURED, "foot_length": _value(249.0), "only_here": _value(1.0)})
+    length, girth, angle = table.split("<tr>")[2:5]
+
+    assert length.index("251.2 mm") < length.index("249.0 mm") < length.index("−2.2")
+    assert girth.count("⚠") == 2 and ">0.0<" in girth
+    assert angle.count("none") == 2 and "+" not in angle
+    assert "only here" not in table
 
 
 def test_every_name_carries_its_definition() -> None:

@@ -1,6 +1,7 @@
 """A customised last holds the foot, changes nothing beyond its transition, and refuses what cannot be made to fit."""
 
 import dataclasses
+import inspect
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,21 @@ def test_no_seen_skin_stands_out_of_the_final_mesh(custom: CustomLast):
     assert custom.proof.samples >= LEAST_SAMPLES
     assert custom.proof.worst_violation_mm <= LIMIT_MM
     assert custom.proof.holds
+
+
+def test_customising_ends_where_its_watcher_raises_also_inside_the_solver(shoelast: Shoelast, foot: PreparedFoot):
+    callers: list[str] = []
+
+    def watch() -> None:
+        callers.append(inspect.stack()[1].function)
+        if callers[-1] == "asked_to_end":
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        customise(shoelast, foot, "therapeutic", watch=watch)
+
+    assert callers.count("asked_to_end") == 1
+    assert callers.count("customise") >= 3
 
 
 def inside_by_parity(triangles: Floats, points: Floats) -> Bools:
