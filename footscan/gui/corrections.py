@@ -7,6 +7,7 @@ import viser
 from footscan.errors import InputError
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, plain, put, put_options
+from footscan.gui.fold import Fold
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.gui.visit import patient_words
@@ -19,7 +20,8 @@ class Corrections:
     def __init__(self, tools: Tools) -> None:
         gui = tools.server.gui
         self._desk, self._work, self._store = tools.desk, tools.patients, tools.station.store
-        with gui.add_folder(texts.CORRECT, expand_by_default=False) as self._fold:
+        self._fold = Fold(gui, tools.desk, texts.CORRECT)
+        with self._fold.inside:
             self._take = gui.add_dropdown(texts.TAKE, (texts.CORRECT_NONE,))
             same = texts.CORRECT_SAME
             self._side = gui.add_dropdown(texts.SIDE, (same, *texts.SIDES.values()), hint=texts.CORRECT_HINT)
@@ -34,7 +36,7 @@ class Corrections:
         """Takes of the chosen patient."""
         words = tuple(_words(take) for take in state.takes) or (texts.CORRECT_NONE,)
         put_options(self._take, words, self._take.value if self._take.value in words else words[0])
-        put(self._fold, visible=bool(state.takes))
+        self._fold.show(bool(state.takes))
         put(self._go, disabled=state.job is not None or not state.takes)
 
     def _put_right(self, client: viser.ClientHandle) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 from footscan.coordinates import Side
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put
+from footscan.gui.fold import Fold
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.records import FootFacts
@@ -17,7 +18,8 @@ class Declared:
         gui = tools.server.gui
         self._desk, self._work = tools.desk, tools.patients
         self._entered: tuple[Any, ...] = ()
-        with gui.add_folder(texts.DECLARE, expand_by_default=False) as self._fold:
+        self._fold = Fold(gui, tools.desk, texts.DECLARE)
+        with self._fold.inside:
             self._side = gui.add_dropdown(texts.SIDE, tuple(texts.SIDES.values()))
             self._parts = {
                 part: gui.add_checkbox(words, False, hint=texts.DECLARE_PART_HINT)
@@ -32,7 +34,7 @@ class Declared:
 
     def show(self, state: PageState) -> None:
         """Fill in what the records say when that is new; what is being typed stays otherwise."""
-        put(self._fold, visible=state.patient is not None)
+        self._fold.show(state.patient is not None)
         put(self._go, disabled=state.job is not None or state.patient is None)
         now = (None if state.patient is None else state.patient.id, state.feet)
         if now != self._entered:

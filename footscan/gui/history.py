@@ -6,6 +6,7 @@ from typing import Any
 
 from footscan.gui import texts
 from footscan.gui.binding import put
+from footscan.gui.fold import Fold
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
 from footscan.records import AuditEntry
@@ -20,12 +21,13 @@ class History:
         gui = tools.server.gui
         self._store = tools.station.store
         self._read: tuple[Any, ...] = ()
-        with gui.add_folder(texts.HISTORY, expand_by_default=False, visible=False) as self._fold:
+        self._fold = Fold(gui, tools.desk, texts.HISTORY, visible=False)
+        with self._fold.inside:
             self._lines = gui.add_html("")
 
     def show(self, state: PageState) -> None:
         """Of the chosen patient, the latest first."""
-        put(self._fold, visible=state.patient is not None)
+        self._fold.show(state.patient is not None)
         now = (state.patient, state.takes, state.feet)
         if state.patient is not None and now != self._read:
             self._read = now

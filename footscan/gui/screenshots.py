@@ -69,7 +69,7 @@ def _states(me: Visitor, page: Page) -> Iterator[str]:
     yield from _scan(me, page)
     me.goes_to(texts.TAB_PATIENT)
     for fold in (texts.CORRECT, texts.HISTORY):
-        me.tab.get_by_text(fold, exact=True).click()
+        me.unfolds(fold)
     me.tab.get_by_text(texts.HISTORY, exact=True).scroll_into_view_if_needed()
     yield "filed"
     yield from _inspect(me)

@@ -9,6 +9,7 @@ import viser
 from footscan.config import DEFAULT_BOARD
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, put, put_options
+from footscan.gui.fold import Fold
 from footscan.gui.state import CalibrationChoice, PageState
 from footscan.gui.station import Station
 from footscan.gui.tab import Tools
@@ -42,7 +43,7 @@ class CalibrateTab:
                 texts.CALIBRATE_ACCEPT, hint=texts.CALIBRATE_ACCEPT_HINT, color="green", visible=False
             )
             self._keep = gui.add_button(texts.CALIBRATE_KEEP, hint=texts.CALIBRATE_KEEP_HINT, visible=False)
-        with gui.add_folder(texts.CALIBRATE_AGAIN, expand_by_default=False):
+        with Fold(gui, tools.desk, texts.CALIBRATE_AGAIN).inside:
             self._recording = gui.add_dropdown(texts.CALIBRATE_RECORDING, (texts.CALIBRATE_NONE,))
             self._compute = gui.add_button(texts.CALIBRATE_GO, hint=texts.CALIBRATE_HINT)
         self._bind()

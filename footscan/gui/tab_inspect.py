@@ -13,6 +13,7 @@ from footscan.coordinates import Floats
 from footscan.errors import FootscanError, MeshError
 from footscan.gui import texts
 from footscan.gui.binding import on_press, on_value, put, put_options
+from footscan.gui.fold import Fold
 from footscan.gui.inspected import InspectedFoot, cut_at, open_foot, outlines_svg, try_smoothing
 from footscan.gui.legend import legend_html
 from footscan.gui.measurement_tables import comparison_table, measurement_table, measurements_csv, price_table
@@ -50,7 +51,7 @@ class InspectTab:
             self._section = gui.add_html("")
         with gui.add_folder(texts.MEASUREMENTS):
             self._table = gui.add_html("")
-        with gui.add_folder(texts.SMOOTHING, expand_by_default=False):
+        with Fold(gui, tools.desk, texts.SMOOTHING).inside:
             gui.add_html(_box(texts.SMOOTHING_WORDS))
             self._filter = gui.add_slider(texts.FILTER, 0.0, 1.0, 0.1, 0.5, hint=texts.FILTER_HINT)
             self._smooth = gui.add_slider(texts.SMOOTH, 0.0, 30.0, 1.0, 10.0, hint=texts.SMOOTH_HINT)

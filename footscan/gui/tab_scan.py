@@ -11,6 +11,7 @@ import viser
 
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
+from footscan.gui.fold import Fold
 from footscan.gui.legend import legend_html
 from footscan.gui.state import PageState
 from footscan.gui.tab import Tools
@@ -44,7 +45,8 @@ class ScanTab:
         others = (texts.REMARK, texts.REPEAT, texts.REPROCESS)
         self._else = gui.add_button_group(texts.DECIDE_ELSE, others, visible=False, hint=texts.DECIDE_ELSE_HINT)
         self._remarked: int | None = None
-        with gui.add_folder(texts.KEPT_SCANS, expand_by_default=False) as self._fold:
+        self._fold = Fold(gui, tools.desk, texts.KEPT_SCANS)
+        with self._fold.inside:
             gui.add_html(_box(texts.KEPT_WORDS, small=True))
             self._kept = gui.add_dropdown(texts.KEPT, (texts.KEPT_NONE,))
             self._file = gui.add_button(texts.KEPT_FILE, hint=texts.KEPT_FILE_HINT, disabled=True)
@@ -118,7 +120,7 @@ class ScanTab:
         kept = tuple(_kept_words(scan) for scan in state.kept) or (texts.KEPT_NONE,)
         put_options(self._kept, kept, self._kept.value if self._kept.value in kept else kept[0])
         put(self._file, disabled=busy or not state.kept or state.patient is None)
-        put(self._fold, visible=bool(state.kept))
+        self._fold.show(bool(state.kept))
 
     def tick(self, snapshot: Snapshot) -> None:
         """Progress stands beside STOP; what was checked holds no longer when the machine was stopped."""

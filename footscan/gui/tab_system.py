@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _LINES = 60
 _KILLS = 10
 _NOT_BROKEN_S = -1.0
+_QUIET = "#555"
 _GRADES = {"good": ("✔", "#176b2c"), "remark": ("●", "#a85b00"), "trouble": ("✖", "#c81e1e")}
 
 
@@ -166,7 +167,7 @@ def drill_on(drill: Drill, cases: tuple[str, ...]) -> Iterator[DrillResult]:
 
 
 def drill_table(results: tuple[DrillResult, ...]) -> str:
-    """How long the outputs stayed on after each fault; what did not go well is told in words."""
+    """How long the outputs stayed on after each fault, and what the person reads."""
     if not results:
         return ""
     rows = "".join(_drill_rows(result) for result in results)
@@ -177,11 +178,11 @@ def _drill_rows(result: DrillResult) -> str:
     mark, colour = _GRADES["good" if result.well else "trouble"]
     told = html.escape(result.told)
     off = texts.DRILL_NOT_BROKEN if result.off_after_s < 0.0 else f"{result.off_after_s:.3f} s"
-    row = (
-        f'<tr><td title="{told}">{html.escape(result.case)}</td><td>{off}</td><td>{result.target_s:g} s</td>'
-        f'<td style="color:{colour}">{mark}</td></tr>'
+    return (
+        f'<tr><td style="padding-top:4px"><b>{html.escape(result.case)}</b></td><td>{off}</td>'
+        f'<td>{result.target_s:g} s</td><td style="color:{colour}">{mark}</td></tr>'
+        f'<tr><td colspan="4" style="color:{_QUIET if result.well else colour}">{told}</td></tr>'
     )
-    return row if result.well else f'{row}<tr><td colspan="4" style="color:{colour}">{told}</td></tr>'
 
 
 def _box(content: str) -> str:

@@ -30,23 +30,15 @@ class LastView:
         self._scene, self._feet = server.scene, feet
         self._handles: list[viser.GlbHandle | viser.MeshHandle] = []
 
-    def clear(self) -> None:
-        """Show the feet of the scan again."""
-        for handle in self._handles:
-            handle.remove()
-        if self._handles:
-            self._feet.show_or_hide(True)
-        self._handles = []
-
     def show(self, choice: LastChoice, target_mm: float = 0.0) -> None:
         """What was chosen: the last round the foot, the clearance map, or what was changed."""
         from footscan.gui.fitting import custom_clearance
         from footscan.workflow.lasts_colours import change_colours
 
-        self.clear()
-        fitted, custom = choice.fitted, choice.custom
-        if choice.hidden:
-            return
+        for handle in self._handles:
+            handle.remove()
+        self._handles = []
+        fitted, custom = (None, None) if choice.hidden else (choice.fitted, choice.custom)
         if custom is not None and choice.shown == "Changed areas":
             skin = custom.skin
             self._add(
@@ -58,8 +50,7 @@ class LastView:
         elif fitted is not None and fitted.comparison.posed is not None:
             clearance = fitted.clearance_mm if choice.shown == "Clearance map" else None
             self._round_the_foot(fitted.comparison.posed, fitted.skin, fitted.shoelast.side, clearance, target_mm)
-        if self._handles:
-            self._feet.show_or_hide(False)
+        self._feet.show_or_hide(not self._handles)
 
     def _round_the_foot(
         self, foot: PosedFoot, skin: LastSkin, side: Side, clearance_mm: Floats | None, target_mm: float

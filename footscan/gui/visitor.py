@@ -36,6 +36,13 @@ class Visitor:
         """The field with a label that can be seen now: another tab may hold one of the same name."""
         return self.tab.locator(f'xpath=//label[.="{label}"]/ancestor::*[3]//input >> visible=true').first
 
+    def unfolds(self, heading: str) -> None:
+        """Open what a heading opens; it may be open already."""
+        button = self.button(heading)
+        if button.locator(".icon-tabler-chevron-right").count():
+            button.click()
+        button.locator(".icon-tabler-chevron-down").wait_for()
+
     def types(self, label: str, text: str) -> None:
         """Type into a field, in place of what stands there."""
         box = self._field(label)

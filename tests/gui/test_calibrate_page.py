@@ -30,7 +30,7 @@ def test_a_calibration_is_computed_kept_out_and_then_put_in_force(served: Served
     truth = page.station.calibration
     page.desk.post(page.desk.change)
     me.goes_to(texts.TAB_CALIBRATE)
-    me.tab.get_by_text(texts.CALIBRATE_AGAIN, exact=True).click()
+    me.unfolds(texts.CALIBRATE_AGAIN)
     me.chooses(texts.CALIBRATE_RECORDING, recorded)
     me.presses(texts.CALIBRATE_GO)
     me.sees(re.compile("Expected error in the working volume"))

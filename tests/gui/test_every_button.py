@@ -72,7 +72,7 @@ def test_a_take_of_the_wrong_load_is_put_right_with_a_reason(
     store = served.page.station.store
     me.takes_patient(measured_patient)
     before = served.page.desk.state.takes[0]
-    me.tab.get_by_text(texts.CORRECT, exact=True).click()
+    me.unfolds(texts.CORRECT)
     me.tab.get_by_role("combobox", name=texts.LOAD).first.click()
     me.tab.get_by_role("option", name=texts.LOADS["seated"]).first.click()
     me.presses(texts.CORRECT_GO)
@@ -126,7 +126,7 @@ def test_what_an_earlier_visit_declared_holds_only_after_somebody_says_so(
 def test_a_missing_toe_and_a_dressing_are_declared_and_come_back_with_the_patient(served: Served, me: Operator) -> None:
     desk, store = served.page.desk, served.page.station.store
     me.enters("Mia Missing")
-    me.tab.get_by_text(texts.DECLARE, exact=True).click()
+    me.unfolds(texts.DECLARE)
     toe = me.tab.get_by_label(texts.DECLARE_PARTS["toe_2"])
     until(lambda: not toe.is_checked())  # of the patient before
     toe.click()
@@ -144,4 +144,3 @@ def test_a_missing_toe_and_a_dressing_are_declared_and_come_back_with_the_patien
 
     assert (foot.side, foot.facts.missing, foot.facts.dressings) == ("left", ("toe_2",), "gauze on the heel")
     assert me.tab.get_by_label(texts.DECLARE_PARTS["toe_2"]).is_checked()
-    me.tab.get_by_text(texts.DECLARE, exact=True).click()

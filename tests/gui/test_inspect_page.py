@@ -77,7 +77,7 @@ def test_maps_have_legends_and_names_their_definition(clinician: Operator, serve
 
 def test_smoothing_is_tried_on_a_copy_and_states_its_price(clinician: Operator, served: Served) -> None:
     before = served.page.desk.state.takes[0].result
-    clinician.tab.get_by_text(texts.SMOOTHING).click()
+    clinician.unfolds(texts.SMOOTHING)
     clinician.presses(texts.SMOOTH_GO)
     clinician.button(texts.SMOOTH_BACK).wait_for()
     tried = served.page.desk.state.inspect.tried

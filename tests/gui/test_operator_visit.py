@@ -79,7 +79,7 @@ def test_a_double_click_starts_one_scan_and_stop_keeps_what_there_is(served: Ser
     assert not snapshot.lasers and not snapshot.motor_on and not snapshot.armed
     assert len(kept) == 1 and not kept[0].finished and kept[0].frames > 0
     assert served.log().count("machine: scanning: stand still") >= 1
-    me.tab.get_by_text(texts.KEPT_SCANS).click()
+    me.unfolds(texts.KEPT_SCANS)
     me.presses(texts.KEPT_FILE)
     until(lambda: bool(served.page.desk.state.takes) and not served.page.desk.state.kept)
 

@@ -29,6 +29,7 @@ def test_a_case_that_could_not_be_broken_is_told_and_the_others_are_drilled_all_
     assert [result.well for result in results] == [True, False, True]
     assert table.count("0.050 s") == 2 and texts.DRILL_NOT_BROKEN in table
     assert ">the scan ended &lt;before&gt; it was broken.</td>" in table
+    assert table.count(">the encoder is silent</td>") == 2
     assert drill_table(()) == ""
 
 
