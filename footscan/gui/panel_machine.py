@@ -19,7 +19,7 @@ _STYLE = """<style>
 [id="%s"] { min-height: 50px; font-size: 19px; font-weight: 700 }
 [data-dock-header] button:has(.tabler-icon-adjustments) { display: none }
 button:has(.icon-tabler-chevron-right), button:has(.icon-tabler-chevron-down) {
-  background: #fff !important; color: #212529; border: 1px solid #ced4da }
+  background: #fff !important; color: #212529 !important; border: 1px solid #ced4da }
 [data-dock-root] label { color: #495057 }
 [data-dock-root] input:focus-visible { outline: 2px solid #009ed3; outline-offset: 1px }
 [data-dock-root] [role="slider"] { width: 13px; height: 18px }
