@@ -44,6 +44,10 @@ def process(
     side: Annotated[Side | None, typer.Option(help="Side of the foot; default: the recording's.")] = None,
     load: Annotated[Load | None, typer.Option(help="Load on the foot; default: the recording's.")] = None,
     surface: Annotated[CoverKind | None, typer.Option(help="What covers the skin; default: the recording's.")] = None,
+    wedge: Annotated[
+        float | None,
+        typer.Option(help="Height in mm of the wedge under the middle of the heel; default: the recording's."),
+    ] = None,
     cloud_filter: Annotated[float, typer.Option(help="Numerical filtering of the points, 0 (off) to 1.")] = 0.0,
     smooth: Annotated[float, typer.Option(help="Geometrical smoothing of the foot, mm, 0 is off.")] = 0.0,
     kind: Annotated[ObjectKind, typer.Option("--object", help="What stands on the board.")] = "foot",
@@ -54,7 +58,9 @@ def process(
 ) -> None:
     """Turn a recording into a measured foot: points, closed surface, measurements, pictures."""
     sweep = SweepSettings(parse_threshold(threshold), FilterSettings(picture_filter, filter_size, filter_sigma))
-    settings = ProcessSettings(sweep, kind, side, one_laser, load, surface, FootSettings(cloud_filter, smooth))
+    settings = ProcessSettings(
+        sweep, kind, side, one_laser, load, surface, FootSettings(cloud_filter, smooth), wedge_mm=wedge
+    )
     machine = load_calibration(calibration)
     with progress_bar("frames", quiet=json_only) as progress:
         result = process_recording(open_recording(recording), machine, settings, progress)

@@ -53,6 +53,9 @@ def scan_command(
     patient: Annotated[int | None, typer.Option(help="Number of the patient to file the scan for.")] = None,
     load: Annotated[Load, typer.Option(help="Load on the foot.")] = "unknown",
     surface: Annotated[CoverKind, typer.Option(help="What covers the skin.")] = "unknown",
+    wedge: Annotated[
+        float | None, typer.Option(help="Height in mm of a wedge under the middle of the heel.", min=0, max=100)
+    ] = None,
     rig: RigOption = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for recording and results; default: the data folder.")
@@ -78,7 +81,7 @@ def scan_command(
     in_force = _calibration(machine_rig, calibration, data_folder(data), json_only)
     folder = out if out is not None else scan_folder(data_folder(data) / SCANS, side)
     refuse_used_folder(folder)
-    subject = Subject(load=load, surface=surface)
+    subject = Subject(load=load, surface=surface, wedge_mm=wedge)
     with opened_rig_session(machine_rig, side, in_force) as (_, session):
         plan = plan_scan(machine_rig.motion, _profile(machine_rig, profile), session.facts, machine_rig.scanner)
         process = ProcessSettings(side=side)

@@ -27,7 +27,7 @@ _ARTEFACT = ("at", "heading", "tilt")
 _SCAN = ("side", "unit", "frames", "obstacle", "unlit_every", "alternate", "exposure")
 _KNOBS: dict[str, tuple[str, ...]] = {
     BOARD: _BOARD_ONLY,
-    "foot": (*_SCAN, "size", "arch", "hallux_valgus", "missing_toe"),
+    "foot": (*_SCAN, "wedge", "size", "arch", "hallux_valgus", "missing_toe"),
     "sphere": (*_SCAN, "diameter", "at"),
     "ball-bar": (*_SCAN, "diameter", "spacing", *_ARTEFACT),
     "plane": (*_SCAN, *_ARTEFACT),
@@ -61,6 +61,9 @@ def simulate(  # one option a knob: the command is the list of them
     unlit_every: Annotated[int, typer.Option(help="Every n-th frame without a laser; 0: none.", min=0)] = 0,
     alternate: Annotated[bool, typer.Option("--alternate", help="One sweep, right and left laser in turn.")] = False,
     exposure: Annotated[float, typer.Option(help="Of the camera, relative to the usual one.", min=0.01, max=100)] = 1.0,
+    wedge: Annotated[
+        float, typer.Option(help="Height in mm of a wedge under the heel; the foot is bent on to it.", min=0, max=100)
+    ] = 0.0,
     diameter: Annotated[float | None, typer.Option(help="Of sphere or balls, mm.")] = None,
     spacing: Annotated[float | None, typer.Option(help="Between the centres of a ball bar, mm.")] = None,
     at: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Middle of an artefact, mm.")] = None,
@@ -109,6 +112,7 @@ def simulate(  # one option a knob: the command is the list of them
         alternating=alternate,
         exposure=exposure,
         artefact=artefact,
+        wedge_mm=wedge,
     )
     with progress_bar("frames", quiet=False) as progress:
         simulate_scan(design, settings, out, progress)
@@ -121,7 +125,7 @@ def _refuse_idle_options(context: typer.Context, thing: str) -> None:
     Raises:
         BadParameter: An option that belongs to another object.
     """
-    meaningful = {*_ALWAYS, *_KNOBS.get(thing, _SCAN)}
+    meaningful = {*_ALWAYS, *_KNOBS.get(thing, (*_SCAN, "wedge"))}
     options = {str(option.name): option.opts[0] for option in context.command.params}
     for name, value in context.params.items():
         source = context.get_parameter_source(name)

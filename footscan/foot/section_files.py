@@ -23,7 +23,7 @@ class NamedSection:
 
 
 def plane_at_share(result: Measurements, share: float) -> tuple[Floats, Floats]:
-    """Origin and unit normal `(3,)`, in the input's coordinates, of the upright plane across the foot axis.
+    """Origin and unit normal `(3,)`, in the input's coordinates, of the plane across the foot axis, upright on the sole.
 
     Args:
         result: A measured foot.
@@ -34,9 +34,8 @@ def plane_at_share(result: Measurements, share: float) -> tuple[Floats, Floats]:
     """
     if not 0.0 <= share <= 1.0:
         raise MeshError(f"a section at {share:.0%} of the foot: allowed is 0 to 100 %, heel to toe")
-    turn, shift = result.foot_from_input[:3, :3], result.foot_from_input[:3, 3]
     length = result["foot_length"].value or 0.0
-    return turn.T @ (np.array([share * length, 0.0, 0.0]) - shift), turn[0]
+    return result.frame.plane_to_input(np.array([share * length, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))
 
 
 def cut_stack(shell: Shell, result: Measurements, shares: Sequence[float]) -> list[NamedSection]:

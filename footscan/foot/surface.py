@@ -1,5 +1,6 @@
 """The NURBS foot: a spline surface fitted to a cleaned cloud, which knows what of it was seen."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -99,6 +100,11 @@ class FootSurface:
             u=np.mod(-self.u, 1.0),
             lowest_u=np.mod(-self.lowest_u, 1.0),
         )
+
+    def moved(self, move: Callable[[Floats], Floats]) -> "FootSurface":
+        """Control points and points `(n, 3)` carried by a gentle bend; residuals stay those of the fit."""
+        net = move(self.tube.net_mm.reshape(-1, 3)).reshape(self.tube.net_mm.shape)
+        return replace(self, tube=replace(self.tube, net_mm=net), xyz_world=move(self.xyz_world))
 
     def with_tube(self, tube: SplineTube) -> "FootSurface":
         """The same points with another surface; residuals follow."""

@@ -153,3 +153,13 @@ def wedge_from_json(content: Mapping[str, Any] | None) -> Wedge | None:
     numbers = (float(content[name]) for name in ("joint_mm", "length_mm", "neutral_mm"))
     (hx, hy), (fx, fy) = heel, forward
     return Wedge(float(content["height_mm"]), float(content["slope_rad"]), (hx, hy), (fx, fy), *numbers)
+
+
+def set_flat(xyz: Floats, wedge: Wedge | None) -> Floats:
+    """Places `(n, 3)` as if the foot stood on the flat board."""
+    return xyz if wedge is None else wedge.flat(xyz)
+
+
+def set_on_wedge(xyz: Floats, wedge: Wedge | None) -> Floats:
+    """The inverse of `set_flat`."""
+    return xyz if wedge is None else wedge.bent(xyz)

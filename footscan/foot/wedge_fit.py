@@ -18,7 +18,7 @@ _ROUNDS = 12
 _SETTLED_MM, _SETTLED_RAD = 0.02, 2e-4
 _BALL_SHARE = 0.68
 """Where the ball's line is sought first, and where it is taken to be when the ball is missing."""
-_BESIDE_SHARE, _HIGH = 0.01, 99.0
+_BESIDE_SHARE, _HIGH = 0.01, 99.8
 """The ball's height is that of the skin within this share of the length of its line, by this percentile."""
 _LOW_SHARE = 0.25
 _REAR_SHARE, _BALL_SHARES, _LOW = 0.22, (0.55, 0.85), 0.45

@@ -104,13 +104,15 @@ def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
     from footscan.foot.shell import shell_from_mesh
     from footscan.scanning.point_file import load_bare_board, load_points
     from footscan.workflow.foot import measure_scan
+    from footscan.workflow.stored_foot import stored_subject
 
     take = foot.take
     assert take.result is not None
     cloud = load_points(foot.folder / "points.ply")
     subject = Subject(load=take.said.load, absent=take.missing)
     marks = {mark.name: mark.xyz_world for mark in take.landmarks}
-    made = measure_scan(cloud, take.said.side, subject, settings, marks, load_bare_board(foot.folder / "board.npy"))
+    board, under = load_bare_board(foot.folder / "board.npy"), stored_subject(foot.folder).placed
+    made = measure_scan(cloud, take.said.side, subject, settings, marks, board, under)
     values = measurements_json(made.measurements)
     copy = InspectedFoot(
         take,

@@ -26,6 +26,10 @@ class Cloud:
         """The points for which `keep` `(n,)` holds."""
         return Cloud(self.xyz_world[keep], self.laser[keep], self.weight[keep], self.frame[keep])
 
+    def at(self, xyz_world: Floats) -> "Cloud":
+        """The same points at other places `(n, 3)`."""
+        return Cloud(xyz_world, self.laser, self.weight, self.frame)
+
     def with_weight(self, weight: Floats32) -> "Cloud":
         """The same points with other weights."""
         return Cloud(self.xyz_world, self.laser, weight, self.frame)

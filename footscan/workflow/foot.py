@@ -22,6 +22,7 @@ from footscan.foot.smoothing import FilterSettings, filter_cloud, smoothed
 from footscan.foot.surface import FootSurface, fit_foot_surface
 from footscan.foot.surface_files import save_surface_json, save_surface_ply, save_surface_stl
 from footscan.foot.surface_mesh import mesh_from_surface, mirrored_mesh
+from footscan.foot.wedge import Wedge, set_flat
 from footscan.scanning.cloud import Cloud
 from footscan.workflow.report import save_report
 
@@ -67,6 +68,7 @@ def measure_scan(
     settings: FootSettings | None = None,
     landmarks: Landmarks | None = None,
     xy_board: Floats | None = None,
+    wedge: Wedge | None = None,
 ) -> MeasuredFoot:
     """Fit, close and measure the foot of a cloud.
 
@@ -76,17 +78,21 @@ def measure_scan(
         subject: Load and missing parts, as far as somebody said so.
         settings: Filtering and smoothing; None for neither.
         landmarks: Placed by hand, name -> (x, y, z) in world coordinates.
-        xy_board: `(n, 2)` places where the bare board was seen; they bound the assumed edge of the sole.
+        xy_board: `(n, 2)` places where the bare board was seen; they bound the assumed edge of the sole. Under a
+            foot on a wedge, with the rearfoot turned back.
+        wedge: On which the foot stood: it is fitted and closed with its rearfoot turned back, so that the assumed sole
+            lies on the wedge; None for the flat board.
 
     Raises:
         MeshError: No foot, two, or one that is partly outside the view.
         EmptyScanError: Too few points.
     """
     settings = settings or FootSettings()
-    plain = _fit_and_measure(cloud, side, subject, FootSettings(), landmarks or {}, xy_board)
+    known = landmarks or {}, xy_board, wedge
+    plain = _fit_and_measure(cloud, side, subject, FootSettings(), *known)
     if settings == FootSettings():
         return plain
-    changed = _fit_and_measure(cloud, side, subject, settings, landmarks or {}, xy_board)
+    changed = _fit_and_measure(cloud, side, subject, settings, *known)
     price = {"before": main_values(plain), "after": main_values(changed)}
     return replace(changed, price=price)
 
@@ -98,9 +104,10 @@ def _fit_and_measure(
     settings: FootSettings,
     landmarks: Landmarks,
     xy_board: Floats | None,
+    wedge: Wedge | None,
 ) -> MeasuredFoot:
     """Left feet are fitted as their mirror images, so that a foot and its mirror image give the same numbers."""
-    xyz, weight, laser = cloud.xyz_world, cloud.weight.astype(np.float64), cloud.laser
+    xyz, weight, laser = set_flat(cloud.xyz_world, wedge), cloud.weight.astype(np.float64), cloud.laser
     if settings.filter_strength > 0.0:
         calm = filter_cloud(xyz, FilterSettings(strength=settings.filter_strength))
         xyz, weight, laser = calm.xyz_world, weight[calm.kept], laser[calm.kept]
@@ -110,7 +117,9 @@ def _fit_and_measure(
             surface = smoothed(surface, settings.smooth_mm)
     mesh = mirrored_mesh(mesh_from_surface(surface.mirrored())) if side == "left" else mesh_from_surface(surface)
     by_hand = {name: np.array(xyz) for name, xyz in landmarks.items()}
-    values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand)
+    if wedge is not None:
+        mesh.vertices, surface = wedge.bent(np.asarray(mesh.vertices)), surface.moved(wedge.bent)
+    values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand, wedge=wedge)
     return MeasuredFoot(surface, mesh, values, {})
 
 

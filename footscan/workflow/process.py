@@ -15,6 +15,8 @@ from footscan.config.recording_file import Load, Subject
 from footscan.config.recording_file import Surface as CoverKind
 from footscan.coordinates import LASER_NAMES, Floats, LaserName, Side
 from footscan.errors import EmptyScanError, InputError, MachineMismatchError, RecordingError
+from footscan.foot.standing import absent_parts, front_of
+from footscan.foot.wedge import set_flat, set_on_wedge
 from footscan.optics.calibration import Calibration, fingerprint
 from footscan.optics.tables import build_tables
 from footscan.scanning.agreement import ZoneAgreement, agreement_by_zone, find_overlap, merge_lasers
@@ -27,6 +29,7 @@ from footscan.scanning.sweep import Progress, SweepResult, SweepSettings, sweep_
 from footscan.scanning.verify import against_manifest
 from footscan.workflow.blocked_sectors import usual_step_rad
 from footscan.workflow.foot import FootSettings, MeasuredFoot
+from footscan.workflow.on_wedge import WedgeFinding, find_ground, wedge_report
 from footscan.workflow.verdict import Evidence, Verdict, judge_scan, motion_report, verdict_report
 
 ObjectKind = Literal["foot", "last"]
@@ -50,6 +53,7 @@ class ProcessSettings:
     surface: CoverKind | None = None
     foot: FootSettings = field(default_factory=FootSettings)
     absent: tuple[str, ...] | None = None
+    wedge_mm: float | None = None
     landmarks: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
 
@@ -57,7 +61,8 @@ class ProcessSettings:
 class ScanResult:
     """A processed scan: the cleaned, merged cloud and everything scan.json reports.
 
-    `xy_board` `(n, 2)` are the places where the bare footboard was seen, world.
+    `xy_board` `(n, 2)` are the places where the bare footboard was seen, world. Under a foot on a wedge (`ground`) they
+    are places of board and wedge with the rearfoot turned back.
     """
 
     recording: Recording
@@ -71,6 +76,7 @@ class ScanResult:
     motion: MotionResult
     remarks: list[str]
     seconds: dict[str, float]
+    ground: WedgeFinding = field(default_factory=WedgeFinding)
 
 
 class Stages:
@@ -146,6 +152,10 @@ def process_recording(
         whole = cloud_from_matrix(sweep.matrix, tables)
     with stages.stage("board"):
         board = check_board(whole, calibration.floor)
+    with stages.stage("wedge"):
+        ground = _ground(recording, whole, calibration, settings)
+        remarks += ground.remarks
+        whole = whole.at(set_flat(whole.xyz_world, ground.wedge))
     with stages.stage("clean"):
         visible = () if board.plane is None else (board.plane,)
         body, removed = foot_body(whole, calibration.floor, *visible)
@@ -160,10 +170,21 @@ def process_recording(
     with stages.stage("agreement"):
         agreement = agreement_by_zone(cloud, find_overlap(cloud))
         cloud = merge_lasers(cloud)
+        cloud = cloud.at(set_on_wedge(cloud.xyz_world, ground.wedge))
     remarks += [board.remark] if board.remark else []
     bare = bare_board(whole, board.plane or calibration.floor)
     parts = (cloud, bare, removed + off, agreement, board, motion, remarks, stages.seconds)
-    return ScanResult(recording, calibration, sweep, *parts)
+    return ScanResult(recording, calibration, sweep, *parts, ground)
+
+
+def _ground(recording: Recording, whole: Cloud, calibration: Calibration, settings: ProcessSettings) -> WedgeFinding:
+    """What the foot stood on; a last stands on the board."""
+    if settings.kind == "last":
+        return WedgeFinding()
+    subject = _known(recording.info.subject, settings)
+    side: Side | None = settings.side or (None if recording.info.side == "none" else recording.info.side)
+    front = front_of(absent_parts(subject.absent))
+    return find_ground(whole.xyz_world, calibration.floor, subject.wedge_mm, side, front)
 
 
 def _both_lasers(recording: Recording, sweep: SweepResult, one_laser: bool) -> list[str]:
@@ -245,9 +266,17 @@ def scan_verdict(result: ScanResult, foot: MeasuredFoot | None = None) -> Verdic
 
 def known_subject(result: ScanResult, settings: ProcessSettings) -> Subject:
     """What is known of the person: the recording's word, overruled by what was given with the command."""
-    stored = result.recording.info.subject
-    absent = stored.absent if settings.absent is None else settings.absent
-    return replace(stored, load=settings.load or stored.load, surface=settings.surface or stored.surface, absent=absent)
+    return _known(result.recording.info.subject, settings)
+
+
+def _known(stored: Subject, settings: ProcessSettings) -> Subject:
+    return replace(
+        stored,
+        load=settings.load or stored.load,
+        surface=settings.surface or stored.surface,
+        absent=stored.absent if settings.absent is None else settings.absent,
+        wedge_mm=stored.wedge_mm if settings.wedge_mm is None else settings.wedge_mm,
+    )
 
 
 def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]:
@@ -259,6 +288,7 @@ def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]
         "side": settings.side or result.recording.info.side,
         "subject": asdict(known_subject(result, settings)),
         "object": settings.kind,
+        "wedge": wedge_report(result.ground),
         "frames": {"seen": accounting.seen, "used": accounting.used, "rejected": dict(accounting.rejected)},
         "rejected_frames": accounting.details,
         "points": {

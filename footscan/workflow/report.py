@@ -20,6 +20,9 @@ from footscan.foot.skin_origin import Origin
 from footscan.geometry.raster import front_facets
 
 SOLE_SENTENCE = "Sole not measured, assumed flat: hatched skin was never seen, blue skin is bridged, grey is the cut."
+WEDGE_SENTENCE = (
+    "Scanned on a wedge of {height:g} mm and drawn so; measured, and cut across, with the rearfoot turned back."
+)
 _COLOURS = {
     Origin.SEEN: (0.93, 0.76, 0.62),
     Origin.BRIDGED: (0.62, 0.70, 0.85),
@@ -44,7 +47,8 @@ def save_report(
     _draw_foot(figure.add_subplot(grid[1, 0]), xyz_foot, faces, origin, (0, 2, 1), "Medial side")
     _draw_sections(figure.add_subplot(grid[1, 1]), mesh, measured)
     _write_numbers(figure.add_subplot(grid[0, 1]), measured, notes)
-    figure.suptitle(f"{title} - {measured.side} foot, axis {measured.axis}, load {measured.load}", fontsize=13)
+    stood = "" if measured.wedge is None else f", on a wedge of {measured.wedge.height_mm:g} mm"
+    figure.suptitle(f"{title} - {measured.side} foot, axis {measured.axis}, load {measured.load}{stood}", fontsize=13)
     stream = io.BytesIO()
     figure.savefig(stream, format="png")
     write_whole(path, stream.getvalue())
@@ -84,10 +88,9 @@ def _hatch(picture: Floats, assumed: Bools) -> None:
 
 
 def _draw_sections(axes: Any, mesh: trimesh.Trimesh, measured: Measurements) -> None:
-    turn, shift = measured.foot_from_input[:3, :3], measured.foot_from_input[:3, 3]
     for named in cut_stack(shell_from_mesh(mesh), measured, _SHARES):
         for number, line in enumerate(named.section.polylines):
-            yz = (np.asarray(line) @ turn.T + shift)[:, 1:]
+            yz = measured.frame.to_foot(np.asarray(line))[:, 1:]
             label = f"{100 * named.share:.0f} %: {named.section.width_mm:.1f} mm wide" if number == 0 else None
             axes.plot(yz[:, 0], yz[:, 1], linewidth=1.0, label=label)
     axes.axhspan(-4.0, 0.0, facecolor="0.85", hatch="///", edgecolor="0.6", linewidth=0.0)
@@ -102,7 +105,8 @@ def _write_numbers(axes: Any, measured: Measurements, said: Sequence[str]) -> No
     axes.axis("off")
     lines = [_row(name, value) for name, value in measured.measurements.items() if value.value is not None]
     header = f"{'measurement':27}{'value':>9} {'unit':4} {'interval':>17}  mark"
-    notes = [SOLE_SENTENCE, *(f"? {question}" for question in measured.questions)]
+    wedge = [] if measured.wedge is None else [WEDGE_SENTENCE.format(height=measured.wedge.height_mm)]
+    notes = [SOLE_SENTENCE, *wedge, *(f"? {question}" for question in measured.questions)]
     sizes = ", ".join(f"{name} {value}" for name, value in measured.sizes.items() if isinstance(value, float | int))
     verdict = [line for note in said for line in textwrap.wrap(note, 92, subsequent_indent="  ")]
     text = "\n".join(

@@ -7,7 +7,6 @@ from typing import Any
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
 from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityError, StorageError
-from footscan.foot.wedge import FLAT_MM
 from footscan.scanning.point_file import save_bare_board, save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.lasts_scan import LAST_REMARKS, last_report, save_last, scanned_last
@@ -109,14 +108,12 @@ def _add_foot(
     side: Side | None = settings.side or (None if info.side == "none" else info.side)
     subject = known_subject(result, settings)
     try:
-        if (subject.wedge_mm or 0.0) > FLAT_MM:
-            raise MeshError(
-                f"the foot stood on a wedge of {subject.wedge_mm:g} mm: scans on a wedge cannot be measured yet; scan "
-                "it on the flat board."
-            )
+        if result.ground.refusal is not None:
+            raise result.ground.refusal
         check_alone(result)
         with stages.stage("surface and measurements"):
-            foot = measure_scan(result.cloud, side, subject, settings.foot, settings.landmarks, result.xy_board)
+            place = settings.landmarks, result.xy_board, result.ground.wedge
+            foot = measure_scan(result.cloud, side, subject, settings.foot, *place)
     except (MeshError, EmptyScanError) as refusal:
         report["foot"] = {"refused": str(refusal)}
         return refusal

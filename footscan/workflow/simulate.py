@@ -9,6 +9,7 @@ import numpy as np
 from footscan.config import Subject, load_calibration
 from footscan.config.toml_file import write_whole
 from footscan.coordinates import Side
+from footscan.foot.wedge import FLAT_MM
 from footscan.optics.scanner import Scanner
 from footscan.scanning.recording import open_recording
 from footscan.scanning.sweep import Progress
@@ -22,6 +23,7 @@ from footscan.sim.obstacles import build_obstacle
 from footscan.sim.picture import DEFAULT_PICTURE
 from footscan.sim.record import prepare_scan, simulate_recording
 from footscan.sim.surface import Surface
+from footscan.sim.wedge import raise_heel
 from footscan.workflow.process import ProcessSettings, process_recording
 from footscan.workflow.results import save_results
 from footscan.workflow.truth import distance_to_surface_mm
@@ -48,6 +50,7 @@ class SimulateSettings:
         alternating: One sweep with the lasers in turn, instead of one sweep for either.
         exposure: Of the camera, relative.
         artefact: Size and place of a sphere, ball bar or plane.
+        wedge_mm: Height of a wedge under the middle of the heel; the foot is bent on to it. 0 is the flat board.
     """
 
     thing: str
@@ -64,6 +67,7 @@ class SimulateSettings:
     alternating: bool = False
     exposure: float = 1.0
     artefact: ArtefactChoice = USUAL_ARTEFACT
+    wedge_mm: float = 0.0
 
 
 def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, progress: Progress) -> Surface:
@@ -81,6 +85,9 @@ def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, pr
         else build_object(settings.thing, settings.unit, settings.side, settings.size, _shape(settings))
     )
     beside = tuple(part for name in settings.obstacles for part in build_obstacle(name, surface, settings.side))
+    if settings.wedge_mm > FLAT_MM:
+        raised = raise_heel(surface, settings.side, settings.wedge_mm)
+        surface, beside = raised.surface, (raised.body, *beside)
     plan = SweepPlan(
         frames_per_sweep=settings.frames_per_sweep,
         unlit_every=settings.unlit_every,
@@ -89,7 +96,10 @@ def simulate_scan(scanner: Scanner, settings: SimulateSettings, folder: Path, pr
     picture = replace(DEFAULT_PICTURE, exposure=settings.exposure)
     scan = prepare_scan(_machine(scanner, settings.seed), surface, plan, picture, settings.seed or 0, beside)
     notes = ", ".join([f"simulated: {settings.thing}", *settings.obstacles])
-    subject = Subject(absent=tuple(f"toe_{number}" for number in sorted(set(settings.missing_toes))))
+    subject = Subject(
+        absent=tuple(f"toe_{number}" for number in sorted(set(settings.missing_toes))),
+        wedge_mm=settings.wedge_mm or None,
+    )
     simulate_recording(folder, scan, settings.side, notes, progress=progress, artefact=artefact, subject=subject)
     return scan.surface
 
