@@ -9,7 +9,7 @@ import trimesh
 
 from footscan.coordinates import Floats, Side
 from footscan.errors import MeshError
-from footscan.foot.align import AXIS_WORDS, AxisName, Front, align_foot
+from footscan.foot.align import AXIS_WORDS, Alignment, AxisName, Front, align_foot
 from footscan.foot.catalogue import CATALOGUE, NOT_MEASURABLE, Entry
 from footscan.foot.foot_frame import FootFrame
 from footscan.foot.landmarks import BY_HAND, NEEDS_HAND, RULES, Landmark, Landmarks, find_landmarks
@@ -20,7 +20,7 @@ from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
 from footscan.foot.standing import StandingFoot, absent_parts, front_of, stand
 from footscan.foot.units import check_foot_length
 from footscan.foot.wedge import FLAT_MM, Wedge, check_wedge_height, wedge_json
-from footscan.foot.wedge_fit import check_level, find_wedge, flat_shell
+from footscan.foot.wedge_fit import ball_line, check_level, find_wedge, flat_shell
 
 FORMAT = "footscan-measurements/1"
 ORIGIN_UNKNOWN = "the origin of the skin is unknown: below 8 mm it is taken as not seen"
@@ -30,6 +30,8 @@ ON_WEDGE = (
 )
 _BENT_ANKLE = "the ankle was bent on the wedge: its skin does not lie as on the flat board"
 _BENT_BALL = "on a wedge the ball is taken to bend square to the foot axis: where it bends obliquely this is mm off"
+_EDGE_OFF_SHARE = 0.06
+"""The wedge's thin edge may lie this share of the length off the ball's line."""
 _DOUBTED_ON_WEDGE = {
     **dict.fromkeys(
         (
@@ -187,7 +189,7 @@ def measure(
         sizes=suggest_sizes(length),
         questions=alignment.questions,
         remarks=(
-            *_wedge_remarks(under),
+            *_wedge_remarks(under, alignment),
             *((doubt,) if doubt else ()),
             *repaired.remarks,
             *foot.remarks,
@@ -213,10 +215,15 @@ def _placed_wedge(
     return find_wedge(shell, wedge, side, front, given)
 
 
-def _wedge_remarks(wedge: Wedge | None) -> tuple[str, ...]:
+def _wedge_remarks(wedge: Wedge | None, alignment: Alignment) -> tuple[str, ...]:
     if wedge is None:
         return ()
-    return (ON_WEDGE.format(height=wedge.height_mm, slope=np.degrees(wedge.slope_rad)),)
+    said = ON_WEDGE.format(height=wedge.height_mm, slope=np.degrees(wedge.slope_rad))
+    off = wedge.joint_mm - float(ball_line(alignment)[:, 0].mean())
+    if abs(off) <= _EDGE_OFF_SHARE * alignment.reference_mm:
+        return (said,)
+    where = "in front of" if off > 0.0 else "behind"
+    return (said, f"the wedge ends {abs(off):.0f} mm {where} the ball's line: the midfoot was bent, not the ball alone")
 
 
 def _in_pose(name: str, value: Measurement, found: Measurements, doubt: str | None) -> Measurement:

@@ -23,7 +23,7 @@ class NamedSection:
 
 
 def plane_at_share(result: Measurements, share: float) -> tuple[Floats, Floats]:
-    """Origin and unit normal `(3,)`, in the input's coordinates, of the plane across the foot axis, upright on the sole.
+    """Origin and unit normal `(3,)`, in the input's coordinates, of the plane across foot axis and sole.
 
     Args:
         result: A measured foot.

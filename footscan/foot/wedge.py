@@ -42,6 +42,7 @@ class Wedge:
         joint_mm: The ball's line, from the pternion along the foot turned back.
         length_mm: Of the foot turned back.
         neutral_mm: Height at which lengths are kept: half the ball's.
+        seen: Whether slope and thin edge are those of a top that was seen; else it is taken to end under the ball.
     """
 
     height_mm: float
@@ -51,6 +52,12 @@ class Wedge:
     joint_mm: float
     length_mm: float
     neutral_mm: float
+    seen: bool = False
+
+    @property
+    def edge_xy(self) -> Floats:
+        """A place `(2,)` of the thin edge."""
+        return np.array(self.heel_xy) + self.edge_mm * np.array(self.forward_xy)
 
     @property
     def edge_mm(self) -> float:
@@ -94,7 +101,7 @@ def edge_ahead_mm(slope_rad: float, length_mm: float, neutral_mm: float) -> floa
     theta = wedge_bend(slope_rad, 0.0, length_mm).direction(t)
     run = float(np.trapezoid(np.cos(theta), t))
     rise = float(np.trapezoid(np.sin(theta), t))
-    meets = half - run - rise / np.tan(slope_rad)
+    meets = half - run - rise / float(np.tan(slope_rad))
     return meets - neutral_mm * float(np.tan(0.5 * slope_rad))
 
 
@@ -150,9 +157,17 @@ def wedge_from_json(content: Mapping[str, Any] | None) -> Wedge | None:
     if content is None:
         return None
     heel, forward = (tuple(float(x) for x in content[name]) for name in ("heel_xy", "forward_xy"))
-    numbers = (float(content[name]) for name in ("joint_mm", "length_mm", "neutral_mm"))
-    (hx, hy), (fx, fy) = heel, forward
-    return Wedge(float(content["height_mm"]), float(content["slope_rad"]), (hx, hy), (fx, fy), *numbers)
+    (heel_x, heel_y), (forward_x, forward_y) = heel, forward
+    return Wedge(
+        height_mm=float(content["height_mm"]),
+        slope_rad=float(content["slope_rad"]),
+        heel_xy=(heel_x, heel_y),
+        forward_xy=(forward_x, forward_y),
+        joint_mm=float(content["joint_mm"]),
+        length_mm=float(content["length_mm"]),
+        neutral_mm=float(content["neutral_mm"]),
+        seen=bool(content["seen"]),
+    )
 
 
 def set_flat(xyz: Floats, wedge: Wedge | None) -> Floats:

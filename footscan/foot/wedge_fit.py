@@ -1,7 +1,7 @@
 """Find where a declared wedge lies under a foot, and whether a heel stands raised that nobody declared."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,13 +12,13 @@ from footscan.foot.outline import MTH1_WINDOW, MTH5_WINDOW, find_bulge, find_out
 from footscan.foot.shape import rough_heading
 from footscan.foot.shell import Shell
 from footscan.foot.skin_origin import Origin
-from footscan.foot.wedge import NEUTRAL_SHARE, Wedge, slope_of_height
+from footscan.foot.wedge import NEUTRAL_SHARE, Wedge, edge_ahead_mm, slope_of_height
 
-_ROUNDS = 12
+_ROUNDS, _SEEN_ROUNDS = 12, 3
 _SETTLED_MM, _SETTLED_RAD = 0.02, 2e-4
 _BALL_SHARE = 0.68
 """Where the ball's line is sought first, and where it is taken to be when the ball is missing."""
-_BESIDE_SHARE, _HIGH = 0.01, 99.8
+_BESIDE_SHARE, _HIGH = 0.01, 99.0
 """The ball's height is that of the skin within this share of the length of its line, by this percentile."""
 _LOW_SHARE = 0.25
 _REAR_SHARE, _BALL_SHARES, _LOW = 0.22, (0.55, 0.85), 0.45
@@ -96,6 +96,39 @@ def placed_under(flat: Shell, alignment: Alignment, height_mm: float, slope_rad:
     return Wedge(height_mm, slope, (float(heel[0]), float(heel[1])), forward, joint, length, neutral)
 
 
+def ending_at(wedge: Wedge, edge_xy: Floats, forward_xy: tuple[float, float]) -> Wedge:
+    """A wedge whose top was seen: with its own direction and its thin edge `(2,)`, wherever the ball lies."""
+    edge_mm = float((edge_xy - np.array(wedge.heel_xy)) @ np.array(forward_xy))
+    joint = edge_mm - edge_ahead_mm(wedge.slope_rad, wedge.length_mm, wedge.neutral_mm)
+    return replace(wedge, forward_xy=forward_xy, joint_mm=joint, seen=True)
+
+
+def settled_under(
+    shell: Shell, wedge: Wedge, side: Side | None, front: Front | None, given: Mapping[str, Floats] | None = None
+) -> Wedge:
+    """A wedge that was found under a cloud, with length and ball of the skin fitted to it.
+
+    Args:
+        shell: The fitted skin as it stood.
+        wedge: As found before.
+        side: The operator's word.
+        front: What is left of the front.
+        given: Landmarks by hand, as they stood.
+    """
+    if not wedge.seen:
+        return find_wedge(shell, wedge.height_mm, side, front, given)
+    for _ in range(_SEEN_ROUNDS):
+        flat = flat_shell(shell, wedge)
+        back = _flat_marks(wedge, given or {})
+        found = placed_under(flat, align_foot(flat, side, "A2", back, front), wedge.height_mm, wedge.slope_rad)
+        wedge = ending_at(found, wedge.edge_xy, wedge.forward_xy)
+    return wedge
+
+
+def _flat_marks(wedge: Wedge, given: Mapping[str, Floats]) -> dict[str, Floats]:
+    return {name: wedge.flat(np.asarray(xyz, dtype=np.float64)[None])[0] for name, xyz in given.items()}
+
+
 def _half_ball_height(xyz_foot: Floats, line: Floats, length_mm: float) -> float:
     """Half the height of the skin over the ball's line."""
     along = (line[0] - line[1]) / np.linalg.norm(line[0] - line[1])
@@ -105,9 +138,8 @@ def _half_ball_height(xyz_foot: Floats, line: Floats, length_mm: float) -> float
 
 
 def _again(shell: Shell, wedge: Wedge, side: Side | None, front: Front | None, given: Mapping[str, Floats]) -> Wedge:
-    back = {name: wedge.flat(np.asarray(xyz)[None])[0] for name, xyz in given.items()}
     flat = flat_shell(shell, wedge)
-    return placed_under(flat, align_foot(flat, side, "A2", back, front), wedge.height_mm)
+    return placed_under(flat, align_foot(flat, side, "A2", _flat_marks(wedge, given), front), wedge.height_mm)
 
 
 def _settled(before: Wedge, now: Wedge) -> bool:

@@ -14,9 +14,9 @@ _NEIGHBOURS, _REACH_MM = 12, 16.0
 _FLAT_MM, _TURN_COSINE = 0.6, float(np.cos(np.radians(6.0)))
 _SLOPES_RAD = (np.radians(3.0), np.radians(45.0))
 _TRIES = 400
-_LEAST_CELLS, _LEAST_SPREAD_MM = 60, (24.0, 26.0)
+_LEAST_CELLS, _LEAST_SPREAD_MM = 60, (12.0, 26.0)
 """A plane counts from so many cells on, spread (standard deviations) by so much along and across its slope. A wedge of
-130 mm has 405 cells, 44 and 48 mm; the flattest skin of scanned feet at most 137 cells, 18 and 19 mm."""
+130 mm has 212 cells or more, 25 and 50 mm; the flattest skin of scanned feet at most 137 cells, 18 and 19 mm."""
 
 
 @dataclass(frozen=True)

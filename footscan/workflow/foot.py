@@ -19,10 +19,12 @@ from footscan.foot.section_files import cut_stack, sections_dxf, stack_csv
 from footscan.foot.shell import shell_from_mesh
 from footscan.foot.skin_origin import Origin
 from footscan.foot.smoothing import FilterSettings, filter_cloud, smoothed
+from footscan.foot.standing import absent_parts, front_of
 from footscan.foot.surface import FootSurface, fit_foot_surface
 from footscan.foot.surface_files import save_surface_json, save_surface_ply, save_surface_stl
 from footscan.foot.surface_mesh import mesh_from_surface, mirrored_mesh
 from footscan.foot.wedge import Wedge, set_flat
+from footscan.foot.wedge_fit import settled_under
 from footscan.scanning.cloud import Cloud
 from footscan.workflow.report import save_report
 
@@ -106,7 +108,26 @@ def _fit_and_measure(
     xy_board: Floats | None,
     wedge: Wedge | None,
 ) -> MeasuredFoot:
-    """Left feet are fitted as their mirror images, so that a foot and its mirror image give the same numbers."""
+    """A wedge of which only the foot tells is placed anew under the fitted skin, and the skin fitted again on it."""
+    by_hand = {name: np.array(xyz) for name, xyz in landmarks.items()}
+    surface, mesh = _fitted(cloud, side, settings, xy_board, wedge)
+    if wedge is not None:
+        place = side, front_of(absent_parts(subject.absent)), by_hand
+        settled = settled_under(shell_from_mesh(mesh), wedge, *place)
+        if not wedge.seen:
+            surface, mesh = _fitted(cloud, side, settings, xy_board, settled)
+        wedge = settled
+    values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand, wedge=wedge)
+    return MeasuredFoot(surface, mesh, values, {})
+
+
+def _fitted(
+    cloud: Cloud, side: Side | None, settings: FootSettings, xy_board: Floats | None, wedge: Wedge | None
+) -> tuple[FootSurface, trimesh.Trimesh]:
+    """Surface and closed mesh, as the foot stood.
+
+    Left feet are fitted as their mirror images, so that a foot and its mirror image give the same numbers.
+    """
     xyz, weight, laser = set_flat(cloud.xyz_world, wedge), cloud.weight.astype(np.float64), cloud.laser
     if settings.filter_strength > 0.0:
         calm = filter_cloud(xyz, FilterSettings(strength=settings.filter_strength))
@@ -116,11 +137,9 @@ def _fit_and_measure(
         if settings.smooth_mm > 0.0:
             surface = smoothed(surface, settings.smooth_mm)
     mesh = mirrored_mesh(mesh_from_surface(surface.mirrored())) if side == "left" else mesh_from_surface(surface)
-    by_hand = {name: np.array(xyz) for name, xyz in landmarks.items()}
     if wedge is not None:
         mesh.vertices, surface = wedge.bent(np.asarray(mesh.vertices)), surface.moved(wedge.bent)
-    values = measure(mesh, side, load=subject.load, absent=subject.absent, landmarks=by_hand, wedge=wedge)
-    return MeasuredFoot(surface, mesh, values, {})
+    return surface, mesh
 
 
 def main_values(foot: MeasuredFoot) -> dict[str, float]:

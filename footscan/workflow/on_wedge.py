@@ -17,7 +17,7 @@ from footscan.foot.wedge import (
     height_of_slope,
     wedge_json,
 )
-from footscan.foot.wedge_fit import ball_line, find_wedge, placed_under
+from footscan.foot.wedge_fit import ending_at, find_wedge, placed_under
 from footscan.geometry.plane import Plane
 from footscan.scanning.footboard import BOARD_MARGIN_MM
 from footscan.scanning.ramp import Ramp, find_ramp
@@ -27,10 +27,9 @@ _USUAL_MM = 260.0
 _BALL_SHARE = 0.68
 _OFF_MM, _OFF_SHARE = 4.0, 0.1
 """The wedge seen may be so much higher or lower than the declared one."""
-_EDGE_SHARES = (0.05, 0.15)
-"""The thin edge may lie this far (share of the length) from the ball's line: beyond the first a remark, beyond the
-second refused."""
 _HIGHEST_SHARE = 0.6
+_ENOUGH = 25000
+_ABOVE_MM = (12.0, 9.0, 6.0, 6.0)
 _NO_FACES = np.empty((0, 3), dtype=np.int64)
 
 
@@ -71,8 +70,7 @@ def find_ground(
         if ramp is None:
             wedge = _wedge_from_foot(xyz_world, floor, declared_mm, side, front)
             return WedgeFinding(wedge, None, None, ("the wedge's top was not seen: it is taken to end under the ball",))
-        wedge, ball_mm = _wedge_from_ramp(xyz_world, ramp, declared_mm, side, front)
-        return WedgeFinding(wedge, ramp, None, _checked(wedge, ball_mm))
+        return WedgeFinding(_checked(_wedge_from_ramp(xyz_world, ramp, declared_mm, side, front)), ramp)
     except MeshError as refusal:
         return WedgeFinding(None, ramp, refusal)
 
@@ -85,24 +83,19 @@ def _undeclared(ramp: Ramp) -> MeshError:
     )
 
 
-def _wedge_from_ramp(
-    xyz_world: Floats, ramp: Ramp, height_mm: float, side: Side | None, front: Front | None
-) -> tuple[Wedge, float]:
-    """The wedge whose top and thin edge were seen, and where along the foot the ball's line lies."""
-    forward = np.array(ramp.forward_xy)
-    wedge, ball_mm = _first(ramp, height_mm), 0.0
+def _wedge_from_ramp(xyz_world: Floats, ramp: Ramp, height_mm: float, side: Side | None, front: Front | None) -> Wedge:
+    """The wedge whose top and thin edge were seen."""
+    wedge, some = _first(ramp, height_mm), _some(xyz_world)
     for _ in range(_ROUNDS):
-        flat = _foot_alone(wedge, xyz_world)
-        alignment = align_foot(flat, side, "A2", None, front)
-        found = placed_under(flat, alignment, height_mm, ramp.slope_rad)
-        ball = np.append(ball_line(alignment).mean(axis=0), [0.0, 1.0])
-        heel = np.array(found.heel_xy)
-        ball_mm = float((np.linalg.inv(alignment.foot_from_input) @ ball)[:2] @ forward - heel @ forward)
-        edge_mm = float((np.array(ramp.edge_xy) - heel) @ forward)
-        joint = edge_mm - edge_ahead_mm(ramp.slope_rad, found.length_mm, found.neutral_mm)
-        place = ramp.slope_rad, found.heel_xy, ramp.forward_xy, joint, found.length_mm, found.neutral_mm
-        wedge = Wedge(height_mm, *place)
-    return wedge, ball_mm
+        flat = _foot_alone(wedge, some)
+        found = placed_under(flat, align_foot(flat, side, "A2", None, front), height_mm, ramp.slope_rad)
+        wedge = ending_at(found, np.array(ramp.edge_xy), ramp.forward_xy)
+    return wedge
+
+
+def _some(xyz: Floats) -> Floats:
+    """Every n-th place: enough to find length and ball."""
+    return xyz[:: max(1, len(xyz) // _ENOUGH)]
 
 
 def _first(ramp: Ramp, height_mm: float) -> Wedge:
@@ -132,20 +125,24 @@ def _standing(xyz_flat: Floats, wedge: Wedge) -> Bools:
 def _wedge_from_foot(
     xyz_world: Floats, floor: Plane, height_mm: float, side: Side | None, front: Front | None
 ) -> Wedge:
-    """The wedge under the ball of a foot of which nothing but skin (and perhaps the wedge's sides) was seen."""
-    body = xyz_world[floor.distance_mm(xyz_world) > BOARD_MARGIN_MM]
+    """The wedge under the ball of a foot of which nothing but skin (and perhaps the wedge's sides) was seen.
+
+    At first only skin well above the wedge counts: what stands out of a wedge behind or beside the foot is no skin.
+    """
+    body = _some(xyz_world[floor.distance_mm(xyz_world) > BOARD_MARGIN_MM])
     wedge = find_wedge(Shell(body, _NO_FACES), height_mm, side, front)
-    for _ in range(_ROUNDS - 1):
-        body = body[_standing(wedge.flat(body), wedge)]
-        wedge = find_wedge(Shell(body, _NO_FACES), height_mm, side, front)
+    for above_mm in _ABOVE_MM:
+        xyz = wedge.flat(body)
+        near = _standing(xyz, wedge) & (xyz[:, 2] > above_mm)
+        wedge = find_wedge(Shell(body[near], _NO_FACES), height_mm, side, front)
     return wedge
 
 
-def _checked(wedge: Wedge, ball_mm: float) -> tuple[str, ...]:
-    """Remarks on the wedge that was seen.
+def _checked(wedge: Wedge) -> Wedge:
+    """The wedge that was seen, when it is the declared one.
 
     Raises:
-        MeshError: It is not the declared one, or does not end under the ball.
+        MeshError: It is not.
     """
     seen, declared = height_of_slope(wedge), wedge.height_mm
     if abs(seen - declared) > max(_OFF_MM, _OFF_SHARE * declared):
@@ -153,20 +150,13 @@ def _checked(wedge: Wedge, ball_mm: float) -> tuple[str, ...]:
             f"a wedge of {declared:g} mm was declared, but the one that is seen is {seen:.0f} mm high under the middle "
             "of the heel: declare that height, or set the foot with its ball on the wedge's thin edge."
         )
-    off = wedge.joint_mm - ball_mm
-    where = f"the wedge ends {abs(off):.0f} mm {'in front of' if off > 0.0 else 'behind'} the ball's line"
-    if abs(off) > _EDGE_SHARES[1] * wedge.length_mm:
-        raise MeshError(
-            f"{where}, at most {_EDGE_SHARES[1] * wedge.length_mm:.0f} mm can be measured: set the foot with its ball "
-            "on the thin edge and scan again."
-        )
-    return (where,) if abs(off) > _EDGE_SHARES[0] * wedge.length_mm else ()
+    return wedge
 
 
-def wedge_report(ground: WedgeFinding) -> dict[str, object] | None:
+def wedge_report(wedge: Wedge | None) -> dict[str, object] | None:
     """What scan.json says of the wedge: where it lies, and the height that was seen; None for the flat board."""
-    content = wedge_json(ground.wedge)
-    if content is None or ground.wedge is None:
+    content = wedge_json(wedge)
+    if content is None or wedge is None:
         return None
-    seen = None if ground.ramp is None else round(height_of_slope(ground.wedge), 2)
-    return content | {"slope_deg": round(float(np.degrees(ground.wedge.slope_rad)), 3), "seen_height_mm": seen}
+    seen = round(height_of_slope(wedge), 2) if wedge.seen else None
+    return content | {"slope_deg": round(float(np.degrees(wedge.slope_rad)), 3), "seen_height_mm": seen}

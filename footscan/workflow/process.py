@@ -288,7 +288,7 @@ def scan_report(result: ScanResult, settings: ProcessSettings) -> dict[str, Any]
         "side": settings.side or result.recording.info.side,
         "subject": asdict(known_subject(result, settings)),
         "object": settings.kind,
-        "wedge": wedge_report(result.ground),
+        "wedge": wedge_report(result.ground.wedge),
         "frames": {"seen": accounting.seen, "used": accounting.used, "rejected": dict(accounting.rejected)},
         "rejected_frames": accounting.details,
         "points": {

@@ -10,6 +10,7 @@ from footscan.errors import EmptyScanError, FootscanError, MeshError, QualityErr
 from footscan.scanning.point_file import save_bare_board, save_points
 from footscan.workflow.foot import foot_report, measure_scan, save_foot
 from footscan.workflow.lasts_scan import LAST_REMARKS, last_report, save_last, scanned_last
+from footscan.workflow.on_wedge import wedge_report
 from footscan.workflow.preview import save_preview
 from footscan.workflow.process import ProcessSettings, ScanResult, Stages, known_subject, scan_report, scan_verdict
 from footscan.workflow.texture import save_texture
@@ -118,6 +119,7 @@ def _add_foot(
         report["foot"] = {"refused": str(refusal)}
         return refusal
     report["foot"] = foot_report(foot)
+    report["wedge"] = wedge_report(foot.measurements.wedge)
     verdict = scan_verdict(result, foot)
     report["verdict"] = verdict_report(verdict)
     seen = report["foot"]["skin"]["seen"]
