@@ -22,8 +22,8 @@ button:has(.icon-tabler-chevron-right), button:has(.icon-tabler-chevron-down) {
   background: #fff !important; color: #212529 !important; border: 1px solid #ced4da }
 [data-dock-root] label { color: #495057 }
 [data-dock-root] input:focus-visible { outline: 2px solid #009ed3; outline-offset: 1px }
-[data-dock-root] [role="slider"] { width: 13px; height: 18px }
-[data-dock-root] .mantine-Checkbox-root { --checkbox-size: 20px }
+[data-dock-root] [role="slider"] { width: 13px !important; height: 18px !important }
+[data-dock-root] .mantine-Checkbox-root { --checkbox-size: 20px !important }
 [data-dock-root] .mantine-TextInput-input, [data-dock-root] .mantine-Select-input {
   min-height: 28px; font-size: 13px; letter-spacing: normal }
 [data-dock-area] div:has(> p > label) { width: 8.6em !important }
