@@ -29,7 +29,7 @@ ON_WEDGE = (
     "scanned on a wedge of {height:g} mm under the heel: measured with the rearfoot turned back by {slope:.1f} degrees"
 )
 _BENT_ANKLE = "the ankle was bent on the wedge: its skin does not lie as on the flat board"
-_BENT_BALL = "on a wedge the ball is taken to bend square to the foot axis: an oblique line of the ball shifts this by millimetres"
+_BENT_BALL = "on a wedge the ball is taken to bend square to the foot axis; an oblique one makes this millimetres wrong"
 _EDGE_OFF_SHARE = 0.06
 """The wedge's thin edge may lie this share of the length off the ball's line."""
 _DOUBTED_ON_WEDGE = {
