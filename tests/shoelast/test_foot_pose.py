@@ -12,6 +12,7 @@ from footscan.shoelast.model import Shoelast
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
+from footscan.sim.wedge import raise_heel
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +70,30 @@ def test_a_flat_scan_is_not_bent_to_a_pitch_of_50_mm(foot: PreparedFoot):
 
     with pytest.raises(QualityError, match="at most 35 mm"):
         pose_foot(foot, high)
+
+
+@pytest.fixture(scope="module")
+def on_wedge() -> PreparedFoot:
+    raised = raise_heel(build_foot(FootShape("right", 1.0)), "right", 50.0)
+    return prepare_foot(trimesh_from_surface(raised.surface), "right", wedge=50.0)
+
+
+def test_a_scan_on_a_wedge_is_bent_only_by_the_difference(on_wedge: PreparedFoot):
+    posed = pose_foot(on_wedge, build_shoelast("women", 40.0, "g", 50.0))
+
+    assert abs(posed.changes["dorsum_over_ball_mm"]) < 0.5
+    assert abs(posed.changes["sole_mm"]) < 2.0
+    assert any("scanned on a wedge of 50 mm" in remark for remark in posed.remarks)
+    assert UNPROVEN not in posed.remarks
+
+
+def test_a_scan_on_a_wedge_is_refused_for_a_last_of_another_pitch(on_wedge: PreparedFoot):
+    with pytest.raises(QualityError, match="Take a last with a pitch of 35 to 65 mm"):
+        pose_foot(on_wedge, build_shoelast("women", 40.0, "g", 25.0))
+
+
+def test_places_of_a_foot_on_a_wedge_go_to_its_frame_and_back(on_wedge: PreparedFoot):
+    for name, xyz in on_wedge.points.items():
+        scanned = on_wedge.measurements.landmarks[name].xyz
+
+        assert on_wedge.frame.to_input(xyz[None])[0] == pytest.approx(scanned, abs=1e-5), name
