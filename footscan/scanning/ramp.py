@@ -17,6 +17,10 @@ _TRIES = 400
 _LEAST_CELLS, _LEAST_SPREAD_MM = 60, (12.0, 26.0)
 """A plane counts from so many cells on, spread (standard deviations) by so much along and across its slope. A wedge of
 130 mm has 212 cells or more, 25 and 50 mm; the flattest skin of scanned feet at most 137 cells, 18 and 19 mm."""
+_UPRIGHT = float(np.sin(np.radians(5.0)))
+_WALL_CELLS, _WALL_FROM_MM, _WALL_HEIGHT_MM = 110, 8.0, 15.0
+"""An upright plane counts from so many cells on (a wedge of 50 mm: 166 and more; the skin of scanned feet: at most 74)
+when it begins on the board and is so high (that of feet begins at 17 mm)."""
 
 
 @dataclass(frozen=True)
@@ -38,30 +42,50 @@ class Ramp:
     cells: int
 
 
-def find_ramp(xyz_world: Floats, floor: Plane) -> Ramp | None:
-    """The largest inclined plane in a cloud, None when there is none that skin could not be.
+@dataclass(frozen=True)
+class Cells:
+    """The mean place in each cell of a cloud above the board, `(n, 3)`, unit normals, and where it is locally flat."""
 
-    Args:
-        xyz_world: `(n, 3)` all points of a scan.
-        floor: The board.
-    """
+    xyz: Floats
+    normal: Floats
+    plain: Bools
+
+
+def find_cells(xyz_world: Floats, floor: Plane) -> Cells:
+    """Cells of `(n, 3)` points above the board."""
     height = floor.distance_mm(xyz_world)
     xyz = _cells(xyz_world[(height > _LOW_MM) & (height < _HIGH_MM)])
     if len(xyz) < _LEAST_CELLS:
-        return None
-    normal, plain = _normals(xyz)
-    cosine = normal @ floor.normal_array
-    inclined = plain & (cosine < np.cos(_SLOPES_RAD[0])) & (cosine > np.cos(_SLOPES_RAD[1]))
-    best = _best_plane(xyz[inclined], normal[inclined])
+        return Cells(np.empty((0, 3)), np.empty((0, 3)), np.zeros(0, dtype=np.bool_))
+    return Cells(xyz, *_normals(xyz))
+
+
+def find_ramp(cells: Cells, floor: Plane) -> Ramp | None:
+    """The largest inclined plane in a cloud, None when there is none that skin could not be."""
+    cosine = cells.normal @ floor.normal_array
+    inclined = cells.plain & (cosine < np.cos(_SLOPES_RAD[0])) & (cosine > np.cos(_SLOPES_RAD[1]))
+    xyz = cells.xyz[inclined]
+    best = _best_plane(xyz, cells.normal[inclined])
     if best is None:
         return None
-    members = xyz[inclined][best]
-    plane = fit_plane(members)
-    found = _ramp(plane, floor, len(members))
+    members = xyz[best]
+    found = _ramp(fit_plane(members), floor, len(members))
     along = members[:, :2] @ np.array(found.forward_xy)
     across = members[:, :2] @ np.array([-found.forward_xy[1], found.forward_xy[0]])
     enough = len(members) >= _LEAST_CELLS and along.std() >= _LEAST_SPREAD_MM[0] and across.std() >= _LEAST_SPREAD_MM[1]
     return found if enough else None
+
+
+def find_wall(cells: Cells, floor: Plane) -> float | None:
+    """Height (mm) of an upright plane that stands on the board, such as the side of a wedge; None without one."""
+    cosine = cells.normal @ floor.normal_array
+    upright = cells.plain & (np.abs(cosine) < _UPRIGHT)
+    xyz, normal = cells.xyz[upright], cells.normal[upright]
+    best = _best_plane(xyz, normal)
+    if best is None or best.sum() < _WALL_CELLS:
+        return None
+    height = floor.distance_mm(xyz[best])
+    return float(height.max()) if height.min() < _WALL_FROM_MM and np.ptp(height) > _WALL_HEIGHT_MM else None
 
 
 def _cells(xyz: Floats) -> Floats:
@@ -93,14 +117,14 @@ def _best_plane(xyz: Floats, normal: Floats) -> Bools | None:
         return None
     tries = np.linspace(0, len(xyz) - 1, min(_TRIES, len(xyz))).astype(np.int64)
     off = np.abs(xyz @ normal[tries].T - np.einsum("ij,ij->i", xyz[tries], normal[tries]))
-    alike = normal @ normal[tries].T > _TURN_COSINE
+    alike = np.abs(normal @ normal[tries].T) > _TURN_COSINE
     best = int((alike & (off < 2.0 * _FLAT_MM)).sum(axis=0).argmax())
     members = alike[:, best] & (off[:, best] < 2.0 * _FLAT_MM)
     for _ in range(5):
         if members.sum() < 3:
             return None
         plane = fit_plane(xyz[members])
-        members = (np.abs(plane.distance_mm(xyz)) < _FLAT_MM) & (normal @ plane.normal_array > _TURN_COSINE)
+        members = (np.abs(plane.distance_mm(xyz)) < _FLAT_MM) & (np.abs(normal @ plane.normal_array) > _TURN_COSINE)
     return members
 
 

@@ -20,7 +20,7 @@ from footscan.foot.wedge import (
 from footscan.foot.wedge_fit import ending_at, find_wedge, placed_under
 from footscan.geometry.plane import Plane
 from footscan.scanning.footboard import BOARD_MARGIN_MM
-from footscan.scanning.ramp import Ramp, find_ramp
+from footscan.scanning.ramp import Ramp, find_cells, find_ramp, find_wall
 
 _ROUNDS = 4
 _USUAL_MM = 260.0
@@ -62,10 +62,11 @@ def find_ground(
         side: The operator's word.
         front: What is left of the foot's front.
     """
-    ramp = find_ramp(xyz_world, floor)
+    cells = find_cells(xyz_world, floor)
+    ramp = find_ramp(cells, floor)
     try:
         if check_wedge_height(declared_mm or 0.0) <= FLAT_MM:
-            return WedgeFinding(None, ramp, None if ramp is None else _undeclared(ramp))
+            return WedgeFinding(None, ramp, _undeclared(ramp, find_wall(cells, floor)))
         assert declared_mm is not None
         if ramp is None:
             wedge = _wedge_from_foot(xyz_world, floor, declared_mm, side, front)
@@ -75,11 +76,16 @@ def find_ground(
         return WedgeFinding(None, ramp, refusal)
 
 
-def _undeclared(ramp: Ramp) -> MeshError:
+def _undeclared(ramp: Ramp | None, wall_mm: float | None) -> MeshError | None:
+    """Why a scan for which no wedge was declared cannot be measured; None when nothing of one is seen."""
+    if ramp is None and wall_mm is None:
+        return None
+    seen = f"an upright plane of {wall_mm or 0.0:.0f} mm stands on the board under or beside the foot"
+    if ramp is not None:
+        seen = f"a wedge that rises by {np.degrees(ramp.slope_rad):.0f} degrees is seen"
     return MeshError(
-        f"a wedge that rises by {np.degrees(ramp.slope_rad):.0f} degrees is seen, but none was declared: "
-        "measured as standing flat the foot would come out wrong. Declare its height under the middle of the heel "
-        "(--wedge MM), or scan on the flat board."
+        f"{seen}, but no wedge was declared: measured as standing flat the foot would come out wrong. Declare its "
+        "height under the middle of the heel (--wedge MM), or scan on the bare flat board."
     )
 
 

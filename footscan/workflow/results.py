@@ -109,9 +109,9 @@ def _add_foot(
     side: Side | None = settings.side or (None if info.side == "none" else info.side)
     subject = known_subject(result, settings)
     try:
+        check_alone(result)
         if result.ground.refusal is not None:
             raise result.ground.refusal
-        check_alone(result)
         with stages.stage("surface and measurements"):
             place = settings.landmarks, result.xy_board, result.ground.wedge
             foot = measure_scan(result.cloud, side, subject, settings.foot, *place)

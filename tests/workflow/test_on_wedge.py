@@ -12,7 +12,7 @@ from footscan.foot.measurements import Measurements, measure
 from footscan.foot.skin_origin import Origin
 from footscan.geometry.plane import Plane
 from footscan.scanning.cloud import Cloud
-from footscan.scanning.ramp import find_ramp
+from footscan.scanning.ramp import find_cells, find_ramp, find_wall
 from footscan.sim.foot import FootShape, build_foot
 from footscan.sim.surface import trimesh_from_surface
 from footscan.sim.wedge import RaisedFoot, raise_heel
@@ -64,7 +64,15 @@ def test_a_wedge_that_nobody_declared_is_refused(skin: Floats, ramp: Floats):
     found = find_ground(np.concatenate([skin, ramp]), FLOOR, None, "left", None)
 
     assert found.wedge is None
-    assert "none was declared" in str(found.refusal)
+    assert "no wedge was declared" in str(found.refusal)
+
+
+def test_a_narrow_wedge_that_nobody_declared_is_told_by_its_side(raised: RaisedFoot, skin: Floats, ramp: Floats):
+    sides = ramp[raised.wedge.flat(ramp)[:, 2] < -2.0]
+    found = find_ground(np.concatenate([skin, sides]), FLOOR, None, "left", None)
+
+    assert found.ramp is None
+    assert "an upright plane of" in str(found.refusal)
 
 
 def test_another_wedge_than_the_declared_one_is_refused(skin: Floats, ramp: Floats):
@@ -86,8 +94,9 @@ def test_bare_skin_holds_no_ramp(skin: Floats):
     mesh = trimesh_from_surface(build_foot(FootShape("right")))
     flat = np.asarray(trimesh.sample.sample_surface(mesh, 60000, seed=5)[0])
 
-    assert find_ramp(skin, FLOOR) is None
-    assert find_ramp(flat, FLOOR) is None
+    assert find_ramp(find_cells(skin, FLOOR), FLOOR) is None
+    assert find_ramp(find_cells(flat, FLOOR), FLOOR) is None
+    assert find_wall(find_cells(skin, FLOOR), FLOOR) is None
 
 
 @pytest.fixture(scope="module")
