@@ -9,7 +9,7 @@ from footscan.config.rig_file import Rig
 from footscan.errors import StorageError
 from footscan.gui import texts
 from footscan.gui.door import Address, url_of
-from footscan.gui.headless import open_chromium
+from footscan.gui.headless import keep_calm, open_chromium
 from footscan.gui.page import Page
 from footscan.gui.serve import open_page
 from footscan.gui.visitor import SCAN_MS, Visitor
@@ -42,7 +42,9 @@ def take_screenshots(rig: Rig, out: Path, say: Callable[[str], None]) -> list[Pa
             add_demo_patients(page.station.store)
             page.desk.post(lambda: page.desk.change(found=tuple(page.station.store.find_patients("", 20))))
             with open_chromium() as browser:
-                tab = browser.new_page(viewport={"width": SIZES[0][0], "height": SIZES[0][1]})
+                context = browser.new_context(viewport={"width": SIZES[0][0], "height": SIZES[0][1]})
+                keep_calm(context)
+                tab = context.new_page()
                 for state in _states(Visitor(tab, url_of(page.server, address)), page):
                     for (width, height), folder in zip(SIZES, (out, out / "large"), strict=True):
                         tab.set_viewport_size({"width": width, "height": height})

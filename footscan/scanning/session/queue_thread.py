@@ -1,5 +1,6 @@
 """A thread that works through a bounded queue: whoever fills it never waits, and it is always drained at the end."""
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -10,14 +11,16 @@ from footscan.errors import FootscanError, ThreadFailedError
 
 Item = TypeVar("Item")
 _LOOK_S = 1.0
+_LOG = logging.getLogger(__name__)
 
 
 def failure_of_thread(what: str, err: Exception) -> FootscanError:
-    """What a person is told when a thread has ended."""
+    """What a person is told when a thread has ended; what a programmer needs goes to the log."""
     if isinstance(err, FootscanError):
         return err
+    _LOG.error("the thread that %s ended", what, exc_info=err)
     return ThreadFailedError(
-        f"the thread that {what} ended unexpectedly ({type(err).__name__}: {err}); everything was switched off. "
+        f"the thread that {what} ended unexpectedly ({type(err).__name__}); everything was switched off. "
         "Start the program again and report this."
     )
 
