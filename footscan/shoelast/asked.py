@@ -71,6 +71,11 @@ def with_bridged(case: FitCase, asked: Asked, need: Need) -> Asked:
     return replace(asked, places=np.vstack([asked.places, case.on_upper(need)]), pulls=(*asked.pulls, pull))
 
 
+def with_run_out(case: FitCase, asked: Asked, need: Need) -> Asked:
+    """Skin above the top line asks for nothing, but a change may run out beside it instead of ending in a step."""
+    return replace(asked, places=np.vstack([asked.places, case.on_upper(need)]))
+
+
 def _asking(case: FitCase, need: Need) -> tuple[Need, Pull]:
     """Places that ask for a change, and the wish to hold the foot closer."""
     out = need.known & (need.move_mm > ASKS_MM)

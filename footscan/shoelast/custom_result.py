@@ -49,7 +49,7 @@ class Search:
         skin: The standard last on the final mesh.
         breaks: Where that samples it.
         need: What the foot needs of the standard last.
-        bridged: The same of skin between seen skin.
+        beside: The same of skin between seen skin, and above the top line.
         widening: Of the bottom.
         rounds: How often it was solved.
         places: `(n, 3)` of the upper that ask for a change.
@@ -59,7 +59,7 @@ class Search:
     skin: LastSkin
     breaks: Breaks
     need: Need
-    bridged: tuple[Need, ...]
+    beside: tuple[Need, ...]
     widening: Widening
     rounds: int
     places: Floats
@@ -137,7 +137,7 @@ def _moved_outside(case: FitCase, search: Search, way_mm: Floats) -> float:
 
 def _overshoot(case: FitCase, search: Search, moved_mm: Floats) -> float:
     need = search.need
-    both = [need.of(need.known & (need.move_mm > 0.0)), *search.bridged]
+    both = [need.of(need.known & (need.move_mm > 0.0)), *search.beside]
     places = np.vstack([case.on_upper(one) for one in both])
     move = np.concatenate([one.move_mm for one in both])
     count = len(search.skin.uv)

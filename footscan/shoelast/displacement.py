@@ -11,7 +11,7 @@ from scipy import sparse as scipy_sparse
 from footscan.coordinates import Bools, Floats, Ints
 from footscan.foot.nurbs_fit import evaluate_at
 from footscan.geometry.mesh_distance import DistanceMesh
-from footscan.shoelast.asked import ASKS_MM, Asked, ask, with_bridged
+from footscan.shoelast.asked import ASKS_MM, Asked, ask, with_bridged, with_run_out
 from footscan.shoelast.chart import Chart, Sparse
 from footscan.shoelast.chord import breaks_within
 from footscan.shoelast.custom_last import CustomLast
@@ -20,7 +20,7 @@ from footscan.shoelast.custom_result import Displaced, Search, custom_last
 from footscan.shoelast.fairing import faired, smoothing_of
 from footscan.shoelast.fit_case import FitCase
 from footscan.shoelast.girth_wish import girth_places, girth_pulls
-from footscan.shoelast.need import Need, find_need, parameters_at
+from footscan.shoelast.need import Need, Room, find_need, parameters_at
 from footscan.shoelast.obstacle import Pull, Rows, Unknowns, Watch, find_unknowns, solve_smoothest, unwatched
 from footscan.shoelast.refusals import check_not_everywhere
 from footscan.shoelast.registration import Registration
@@ -75,6 +75,9 @@ class DisplacementTask:
         for one in bridged:
             asked = with_bridged(case, asked, one)
         self._watch()
+        beyond = self._beyond_top_line()
+        for one in beyond:
+            asked = with_run_out(case, asked, one)
         self._near = case.region.near(asked.places, self._reach_mm)
         doubtful = some[signed_mm + case.room.least_mm[some] > -self._most_loss(asked) - _DOUBTFUL_MM]
         state = self._first(asked)
@@ -87,7 +90,7 @@ class DisplacementTask:
             state = self._state(moved, self.breaks)
             state, signed, asked, more = self._raised_until_held(asked, state, doubtful, _MORE_ROUNDS)
             smoothing, rounds = smoothing_of(case, before.result(), plain, state, limit), rounds + more
-        search = Search(self.skin, self.breaks, need, bridged, widening, rounds, asked.places, smoothing)
+        search = Search(self.skin, self.breaks, need, (*bridged, *beyond), widening, rounds, asked.places, smoothing)
         return custom_last(case, registration, state, signed, search, before.result())
 
     def _most_loss(self, asked: Asked) -> float:
@@ -100,6 +103,15 @@ class DisplacementTask:
         if len(between) == 0:
             return ()
         need, _ = find_need(case.chart, self.skin, self.mesh, case.samples.xyz[between], case.room.of(between))
+        return (need.of(need.known & (need.move_mm > ASKS_MM)),)
+
+    def _beyond_top_line(self) -> tuple[Need, ...]:
+        """Where skin above the top line stands out of the last."""
+        case = self.case
+        if len(case.run_out) == 0:
+            return ()
+        none = np.zeros(len(case.run_out))
+        need, _ = find_need(case.chart, self.skin, self.mesh, case.run_out, Room(none, none, none))
         return (need.of(need.known & (need.move_mm > ASKS_MM)),)
 
     def _first(self, asked: Asked) -> Displaced:

@@ -12,7 +12,7 @@ from footscan.shoelast.chart import Chart, Sparse, bending_matrix, build_chart
 from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.foot_pose import PosedFoot
 from footscan.shoelast.foot_samples import FootSamples
-from footscan.shoelast.judged_skin import judged_samples, wanted_room
+from footscan.shoelast.judged_skin import judged_samples, run_out_places, wanted_room
 from footscan.shoelast.model import Shoelast
 from footscan.shoelast.need import CELLS, Need, Room
 from footscan.shoelast.nets import Coarse, coarse_space, fine_enough
@@ -82,6 +82,7 @@ class FitCase(ReadyLast):
         top_line: Up to where the foot has to be held.
         samples: Of the foot.
         judged: Which of them count.
+        run_out: `(n, 3)` seen skin above the top line, beside which a change may run out.
         room: What is wanted of each.
     """
 
@@ -91,6 +92,7 @@ class FitCase(ReadyLast):
     top_line: TopLine
     samples: FootSamples
     judged: Judged
+    run_out: Floats
     room: Room
 
     @property
@@ -122,6 +124,7 @@ class JudgedFoot:
     top_line: TopLine
     samples: FootSamples
     judged: Judged
+    run_out: Floats
 
 
 def judge_foot(shoelast: Shoelast, posed: PosedFoot) -> JudgedFoot:
@@ -132,7 +135,7 @@ def judge_foot(shoelast: Shoelast, posed: PosedFoot) -> JudgedFoot:
     """
     top_line = find_top_line(shoelast, posed)
     samples, judged = judged_samples(posed, shoelast, top_line)
-    return JudgedFoot(posed, top_line, samples, judged)
+    return JudgedFoot(posed, top_line, samples, judged, run_out_places(posed, top_line))
 
 
 def build_case(ready: ReadyLast, foot: JudgedFoot, profile: Profile, settings: CustomSettings) -> FitCase:

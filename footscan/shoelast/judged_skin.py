@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from footscan.coordinates import Floats
 from footscan.errors import QualityError
 from footscan.shoelast.custom_settings import CustomSettings
 from footscan.shoelast.foot_pose import PosedFoot
@@ -14,6 +15,9 @@ from footscan.shoelast.proof import Judged, judge
 from footscan.shoelast.top_line import FeatherLine, TopLine
 
 SEEN_SAMPLES = 106_000
+RUN_OUT_MM = 20.0
+"""So far above the top line seen skin that stands out of a last lets a change run out; it sets no condition."""
+_RUN_OUT_SAMPLES = 8000
 _LEAST_SHARE, _UNSEEN_SHARE = 0.05, 0.2
 
 
@@ -48,3 +52,13 @@ def judged_samples(posed: PosedFoot, shoelast: Shoelast, top_line: TopLine) -> t
         )
     samples = sample_foot(posed, int(SEEN_SAMPLES / float(judged.seen.mean())), unseen_share=_UNSEEN_SHARE, faces=low)
     return samples, judge(samples, feather.has_below(samples.xyz), top_line)
+
+
+def run_out_places(posed: PosedFoot, top_line: TopLine) -> Floats:
+    """Places `(n, 3)` of seen skin above the top line, beside which a change may run out."""
+    height = top_line.height_mm(posed.shell.xyz)[posed.shell.faces]
+    near = np.asarray((height.min(axis=1) > 0.0) & (height.max(axis=1) < RUN_OUT_MM), dtype=np.bool_)
+    if not (near & posed.foot.face_seen).any():
+        return np.zeros((0, 3))
+    samples = sample_foot(posed, _RUN_OUT_SAMPLES, unseen_share=0.0, faces=near)
+    return samples.xyz[samples.seen]

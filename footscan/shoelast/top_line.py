@@ -25,7 +25,11 @@ class TopLine:
 
     def below(self, xyz: Floats) -> Bools:
         """Which of `(n, 3)` places lie below."""
-        return (xyz - self.origin) @ self.normal < 0.0
+        return self.height_mm(xyz) < 0.0
+
+    def height_mm(self, xyz: Floats) -> Floats:
+        """How far `(n, 3)` places lie above it."""
+        return (xyz - self.origin) @ self.normal
 
 
 def find_top_line(shoelast: Shoelast, posed: PosedFoot) -> TopLine:

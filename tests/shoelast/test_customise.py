@@ -11,6 +11,7 @@ from scipy import spatial
 from footscan.coordinates import Bools, Floats
 from footscan.errors import InputError, QualityError
 from footscan.foot.nurbs import clamped_knots, greville
+from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.chart import bending_matrix, build_chart, project
 from footscan.shoelast.compare import compare, compare_lasts
 from footscan.shoelast.custom_last import CustomLast
@@ -113,6 +114,25 @@ def test_the_mesh_is_closed_and_the_cone_and_back_are_held(custom: CustomLast):
     assert all(one.kept for one in custom.held.values())
 
 
+def standing_out_above_the_top_line(custom: CustomLast, xyz_before: np.ndarray) -> np.ndarray:
+    """Places of the standard last next to skin that stands out of it, up to 20 mm above the top line."""
+    skin = custom.posed.shell.xyz
+    height = (skin - custom.proof.top_line.origin) @ custom.proof.top_line.normal
+    near = DistanceMesh(xyz_before, custom.skin.faces).nearest(skin[(height > 0.0) & (height < 20.0)])
+    return near.xyz[near.signed > 0.0]
+
+
+def test_a_change_runs_out_above_the_top_line_instead_of_ending_in_a_step(custom: CustomLast):
+    before = skin_of(custom.original, custom.breaks).xyz_shoelast[: len(custom.skin.uv)]
+    moved = custom.displacement_mm[: len(before)]
+    height = (before - custom.proof.top_line.origin) @ custom.proof.top_line.normal
+    levels = [np.abs(moved[np.abs(height - level) < 1.0]).max() for level in (0.0, 10.0, 20.0, 35.0)]
+
+    assert levels[0] > levels[1] > levels[2] > levels[3]
+    assert levels[1] > 0.4 * levels[0]
+    assert levels[3] < 0.01
+
+
 def test_beyond_the_transition_nothing_moves(custom: CustomLast):
     before = skin_of(custom.original, custom.breaks).xyz_shoelast
     off = np.linalg.norm(custom.skin.xyz_shoelast - before, axis=1)
@@ -124,6 +144,7 @@ def test_beyond_the_transition_nothing_moves(custom: CustomLast):
     )
     if custom.widening_mm > 0.0:
         places = np.vstack([places, before[edge][off[edge] > 0.01]])
+    places = np.vstack([places, standing_out_above_the_top_line(custom, before)])
 
     sides = np.arange(len(custom.skin.uv))
     kd_tree: Any = spatial.KDTree
@@ -179,7 +200,7 @@ def test_which_skin_lies_above_the_feather_line_is_told_as_by_its_heights(custom
 
 def test_a_pin_gives_room_where_it_is_set(shoelast: Shoelast, foot: PreparedFoot, custom: CustomLast):
     at = foot.points["metatarsale_tibiale"]
-    xyz = np.linalg.solve(foot.foot_from_input, np.append(at, 1.0))[:3]
+    xyz = foot.frame.to_input(at[None])[0]
     pin = Pin((float(xyz[0]), float(xyz[1]), float(xyz[2])), 14.0, 4.0)
 
     pinned = customise(shoelast, foot, "therapeutic", CustomSettings(pins=(pin,)))
