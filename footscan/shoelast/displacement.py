@@ -151,13 +151,13 @@ class DisplacementTask:
         signed = self._look(state, seen, signed)[0] if len(lacking) else signed
         return state, signed, asked, rounds
 
-    def _corrected(self, state: Displaced, asked: Asked, raised: Need) -> Displaced:
-        """The smoothest rise that gives room where it lacks, beside what is there already."""
+    def _corrected(self, state: Displaced, asked: Asked, raised: tuple[Floats, Floats]) -> Displaced:
+        """The smoothest rise that gives room where it lacks, at (u, v), beside what is there already."""
         case = self.case
-        places = case.on_upper(raised)
+        places = evaluate_at(case.chart.tube, *raised).xyz_mm
         self._near |= case.region.near(places, self._reach_mm)
         free = self._free() & case.region.free(case.region.near(places, _RISE_REACH * case.transition_mm))
-        wanted = case.chart.rows(raised.u, raised.v)
+        wanted = case.chart.rows(*raised)
         none = np.zeros(case.chart.shape)
         unknowns = find_unknowns(free, state.coefficients, none, case.coarse, wanted)
         return self._state(self._solve(unknowns, asked.rows, asked.pulls), self.breaks)
@@ -165,10 +165,19 @@ class DisplacementTask:
     def _free(self) -> Bools:
         return self.case.region.free(self._near)
 
-    def _with_raised(self, asked: Asked, state: Displaced, lacking: Ints, signed: Floats) -> tuple[Asked, Need]:
-        more, raised = self._raised(state, lacking)
-        rows = (*asked.rows, more, self._raised_nearest(state, lacking, signed))
-        return replace(asked, places=np.vstack([asked.places, self.case.on_upper(raised)]), rows=rows), raised
+    def _with_raised(
+        self, asked: Asked, state: Displaced, lacking: Ints, signed: Floats
+    ) -> tuple[Asked, tuple[Floats, Floats]]:
+        """Conditions where room lacks, straight out and at the nearest places, and where (u, v) that is.
+
+        A place beside a steep rim may be reached by no direction; then its nearest place alone asks.
+        """
+        straight, followed = self._raised(state, lacking)
+        nearest, u, v = self._raised_nearest(state, lacking, signed)
+        raised = (followed.u, followed.v) if len(followed.u) else (u, v)
+        rows = (*asked.rows, straight, nearest)
+        places = evaluate_at(self.case.chart.tube, *raised).xyz_mm
+        return replace(asked, places=np.vstack([asked.places, places]), rows=rows), raised
 
     @property
     def _wanted_girths(self) -> Mapping[str, float]:
@@ -223,16 +232,16 @@ class DisplacementTask:
         rows = case.chart.rows(used.u, used.v)
         return Rows(rows, rows @ state.coefficients.ravel() + used.move_mm + _RAISED_MM), used
 
-    def _raised_nearest(self, state: Displaced, lacking: Ints, signed: Floats) -> Rows:
-        """The same with the nearest places: beside a steep rim they are not those straight out."""
+    def _raised_nearest(self, state: Displaced, lacking: Ints, signed: Floats) -> tuple[Rows, Floats, Floats]:
+        """The same with the nearest places (u, v): beside a steep rim they are not those straight out."""
         case = self.case
         lacking = lacking[signed[lacking] + case.room.least_mm[lacking] > ASKS_MM]
         near = state.mesh.nearest(case.samples.xyz[lacking])
         u, v = parameters_at(state.skin, near.face, near.weight, near.xyz)
         along = (near.normal * evaluate_at(case.chart.direction, u, v).xyz_mm).sum(axis=1)
-        rows: Sparse = sparse.diags(along) @ case.chart.rows(u, v)
         lack = near.signed + case.room.least_mm[lacking]
-        return Rows(rows, rows @ state.coefficients.ravel() + lack + _RAISED_MM)
+        rows: Sparse = sparse.diags(along) @ case.chart.rows(u, v)
+        return Rows(rows, rows @ state.coefficients.ravel() + lack + _RAISED_MM), u, v
 
 
 def _reachable(rows: Rows, unknowns: Unknowns) -> Rows:

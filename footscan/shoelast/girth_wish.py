@@ -19,6 +19,7 @@ from footscan.shoelast.obstacle import Pull
 from footscan.shoelast.skin import LastSkin
 
 GIRTHS = ("ball_girth", "waist_girth", "instep_girth")
+_BESIDE_MM = (-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0)
 _WEIGHT = 60.0
 """Per mm2 of a missed girth, beside the bending energy of the displacement."""
 
@@ -37,9 +38,17 @@ def check_girths(girths_mm: Mapping[str, float]) -> None:
 
 
 def girth_places(skin: LastSkin, points: Mapping[str, Floats], girths_mm: Mapping[str, float]) -> Floats:
-    """Places `(k, 3)` of the last that the tapes of the wanted girths touch: they may change."""
+    """Places `(k, 3)` of the last that the tapes of the wanted girths touch, and beside them: they may change.
+
+    A girth is given by a long stretch of the last: were only the tape's own places free, it would come out as a hoop.
+    """
     planes = tape_planes(points)
-    return np.vstack([np.zeros((0, 3)), *(_corners(skin, planes[name])[0] for name in girths_mm)])
+    beside = [
+        TapePlane(planes[name].origin + shift * planes[name].normal, planes[name].normal)
+        for name in girths_mm
+        for shift in _BESIDE_MM
+    ]
+    return np.vstack([np.zeros((0, 3)), *(_corners(skin, plane)[0] for plane in beside)])
 
 
 def girth_pulls(

@@ -200,8 +200,8 @@ def test_which_skin_lies_above_the_feather_line_is_told_as_by_its_heights(custom
 
 def test_a_pin_gives_room_where_it_is_set(shoelast: Shoelast, foot: PreparedFoot, custom: CustomLast):
     at = foot.points["metatarsale_tibiale"]
-    xyz = foot.frame.to_input(at[None])[0]
-    pin = Pin((float(xyz[0]), float(xyz[1]), float(xyz[2])), 14.0, 4.0)
+    xyz = foot.frame.to_input(at[None] + [0.0, 0.0, 8.0])[0]
+    pin = Pin((float(xyz[0]), float(xyz[1]), float(xyz[2])), 15.0, 6.0)
 
     pinned = customise(shoelast, foot, "therapeutic", CustomSettings(pins=(pin,)))
 
