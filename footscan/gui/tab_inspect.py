@@ -192,7 +192,7 @@ class InspectTab:
         if foot is None:
             self._desk.say(texts.FAILED, texts.INSPECT_NONE, wrong=True)
             return
-        table = name == texts.DOWNLOAD_NAMES["Measurements"][texts.DOWNLOAD_TABLE]
+        table = name == texts.DOWNLOAD_NAMES["Values"][texts.DOWNLOAD_TABLE]
         content = measurements_csv(foot.measurements) if table else (foot.folder / name).read_bytes()
         file_name = f"take-{foot.take.id}-{foot.take.said.side}-{name}"
         client.send_file_download(file_name, content, save_immediately=True)

@@ -241,12 +241,12 @@ DOWNLOADS = "Downloads of the chosen take"
 DOWNLOAD_TABLE = "Table (CSV)"
 DOWNLOAD_NAMES = {
     "Surface": {"STL": "surface.stl", "PLY": "surface.ply", "Picture": "report.png"},
-    "Measurements": {DOWNLOAD_TABLE: "measurements.csv", "JSON": "measurements.json"},
+    "Values": {DOWNLOAD_TABLE: "measurements.csv", "JSON": "measurements.json"},
     "Sections": {"Sections (CSV)": "sections.csv"},
 }
 DOWNLOAD_HINTS = {
     "Surface": "The skin as measured, in mm: STL for milling and printing, PLY with colours; a page of pictures",
-    "Measurements": "All values with intervals, marks and definitions: for a spreadsheet, or for programs",
+    "Values": "All measurements with intervals, marks and definitions: for a spreadsheet, or for programs",
     "Sections": "Cuts across the foot, one every 5 % of its length, for a spreadsheet",
 }
 LOOK = "Look from"
