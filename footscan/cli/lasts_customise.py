@@ -1,7 +1,7 @@
 """`footscan lasts customise`: one last, or both of a pair."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -98,23 +98,58 @@ def customise_command(
         hold=hold,
         smooth_mm=smooth,
     )
-    library = opened_library(data)
+    lasts = LastsAsked(opened_library(data), last, last_right, style)
     if pair is not None and foot is None and side is None:
         settings = _settings_of_both(plain, pin, girth)
         with progress_bar("customising", quiet=json_only):
-            feet = load_pair(pair, unit, wedge)
-            both = customise_pair(_lasts(library, feet, last, last_right, profile, style), feet, profile, settings)
+            feet = load_pair(pair, unit)
+            both = customise_pair(lasts.of_both(feet, profile), feet, profile, settings)
         _tell_pair(both, out, json_only=json_only)
-    elif pair is None and foot is not None and last is not None and last_right is None and style is None:
-        settings = replace(plain, pins=tuple(map(pin_from_text, pin or ())), girths_mm=_girths(girth or ()))
+    elif pair is None and foot is not None and lasts.is_one:
+        wishes = replace(plain, pins=tuple(map(pin_from_text, pin or ())), girths_mm=_girths(girth or ()))
         with progress_bar("customising", quiet=json_only):
-            made = customise(library.load(last), load_foot(foot, unit, side, wedge), profile, settings)
+            made = customise(lasts.one(), load_foot(foot, unit, side), profile, wishes)
         _tell_one(made, out, json_only=json_only)
     else:
-        raise InputError(
-            "give one FOOT with its --last, or both feet with --pair LEFT RIGHT (with --last for both, with --last "
-            "and --last-right, or with neither: the best pair, of one --style if you wish)."
-        )
+        raise InputError(_USAGE)
+
+
+_USAGE = (
+    "give one FOOT with its --last, or both feet with --pair LEFT RIGHT (with --last for both, with --last and "
+    "--last-right, or with neither: the best pair, of one --style if you wish)."
+)
+
+
+@dataclass(frozen=True)
+class LastsAsked:
+    """Which lasts were asked for, by name or by style."""
+
+    library: LastLibrary
+    last: str | None
+    last_right: str | None
+    style: str | None
+
+    @property
+    def is_one(self) -> bool:
+        """Whether one last was named and nothing else."""
+        return self.last is not None and self.last_right is None and self.style is None
+
+    def one(self) -> Shoelast:
+        """The last that was named."""
+        if self.last is None:
+            raise InputError(_USAGE)
+        return self.library.load(self.last)
+
+    def of_both(self, feet: tuple[PreparedFoot, PreparedFoot], profile: str) -> tuple[Shoelast, Shoelast]:
+        """The lasts that were named, or the best two."""
+        if self.last is None and self.last_right is None:
+            return choose_pair(self.library, feet, profile, self.style)
+        if self.last is None or self.style is not None:
+            raise InputError(
+                "--last-right needs --last for the left foot, and --style needs neither: name both, or none."
+            )
+        left = self.one()
+        return left, left if self.last_right is None else self.library.load(self.last_right)
 
 
 def _settings_of_both(
@@ -131,23 +166,6 @@ def _settings_of_both(
 
 def _girths(said: Sequence[str]) -> dict[str, float]:
     return dict(map(girth_from_text, said))
-
-
-def _lasts(
-    library: LastLibrary,
-    feet: tuple[PreparedFoot, PreparedFoot],
-    last: str | None,
-    last_right: str | None,
-    profile: str,
-    style: str | None,
-) -> tuple[Shoelast, Shoelast]:
-    """The lasts that were named, or the best two."""
-    if last is None and last_right is None:
-        return choose_pair(library, feet, profile, style)
-    if last is None or style is not None:
-        raise InputError("--last-right needs --last for the left foot, and --style needs neither: name both, or none.")
-    left = library.load(last)
-    return left, left if last_right is None else library.load(last_right)
 
 
 def _tell_one(custom: CustomLast, out: Path, *, json_only: bool) -> None:

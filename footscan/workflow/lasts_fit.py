@@ -9,12 +9,11 @@ from typing import Any, cast
 import numpy as np
 
 from footscan.config.toml_file import write_whole
-from footscan.coordinates import Floats, Side
+from footscan.coordinates import Side
 from footscan.errors import QualityError, StorageError
 from footscan.foot.mesh_file import load_foot_mesh
 from footscan.foot.shell import mesh_from_shell
 from footscan.foot.surface_files import save_surface_stl
-from footscan.geometry.mesh_distance import DistanceMesh
 from footscan.shoelast.compare import Comparison
 from footscan.shoelast.custom_last import CustomLast, Smoothing, Smoothness, held_json
 from footscan.shoelast.handed import DATUM, mirrored, mirrored_mesh
@@ -23,7 +22,8 @@ from footscan.shoelast.pitch_of_scan import wedge_mm
 from footscan.shoelast.prepared_foot import PreparedFoot, prepare_foot
 from footscan.shoelast.proof import LIMIT_MM, proof_json
 from footscan.shoelast.rank import Ranked
-from footscan.shoelast.top_line import TopLine
+from footscan.shoelast.top_line import FeatherLine, TopLine
+from footscan.workflow.lasts_clearance import skin_clearance
 from footscan.workflow.lasts_pictures import save_changed_picture, save_clearance_map, save_plan_picture
 from footscan.workflow.stored_foot import stored_subject
 
@@ -208,14 +208,6 @@ def _save_pictures(custom: CustomLast, folder: Path) -> None:
     shell = custom.posed.shell
     save_plan_picture(folder / "plan.png", custom.shoelast, shell.xyz, shell.faces, title)
     save_changed_picture(folder / "changed.png", custom.skin, custom.displacement_mm, side, title)
-    clearance = judged_clearance_mm(custom)
+    feather = FeatherLine(custom.shoelast)
+    clearance = skin_clearance(custom.skin, custom.posed, custom.proof.top_line, feather)
     save_clearance_map(folder / "clearance.png", shell.xyz, shell.faces, clearance, side, title)
-
-
-def judged_clearance_mm(custom: CustomLast) -> Floats:
-    """Room `(n,)` at the vertices of the posed foot; NaN where the skin was not seen or lies above the top line."""
-    shell = custom.posed.shell
-    clearance = -DistanceMesh(custom.skin.xyz_shoelast, custom.skin.faces).nearest(shell.xyz).signed
-    seen = np.zeros(len(shell.xyz), dtype=np.bool_)
-    seen[shell.faces[custom.posed.foot.face_seen].ravel()] = True
-    return np.where(seen & custom.proof.top_line.below(shell.xyz), clearance, np.nan)

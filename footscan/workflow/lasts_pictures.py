@@ -151,7 +151,11 @@ def _clearance_legend(figure: Figure, target_mm: float) -> None:
     bar = figure.colorbar(scale, cax=place, orientation="horizontal", extend="both")
     bar.set_ticks(np.arange(CLEARANCE_MM[0], CLEARANCE_MM[1] + 1.0, 2.0).tolist())
     bar.set_label(f"clearance (mm): red = the last is tighter than the skin, white = {target_mm:g}, blue = room")
-    figure.legend(handles=[_patch(UNSEEN, "never seen, or above the last: not judged")], loc="lower right", fontsize=9)
+    figure.legend(
+        handles=[_patch(UNSEEN, "never seen, below the feather line or above the top line: not judged")],
+        loc="lower right",
+        fontsize=9,
+    )
 
 
 def _patch(colour: tuple[int, int, int], words: str) -> Patch:
