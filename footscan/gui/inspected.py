@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from footscan.foot.sections import Section
     from footscan.foot.shell import Shell
+    from footscan.foot.wedge import Wedge
     from footscan.workflow.foot import FootSettings
 
 _HEIGHT_MM = 30.0
@@ -43,6 +44,7 @@ class InspectedFoot:
         foot_from_world: 4x4, x from heel to toe; a reflection for a left foot.
         length_mm: Of the foot.
         measurements: As in measurements.json.
+        wedge: On which the foot stood; None for the flat board.
     """
 
     take: Take
@@ -52,6 +54,7 @@ class InspectedFoot:
     foot_from_world: Floats
     length_mm: float
     measurements: dict[str, Any]
+    wedge: Wedge | None = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,7 @@ def open_foot(station: Station, take: Take) -> InspectedFoot:
     """
     from footscan.foot.shell import shell_from_mesh
     from footscan.foot.surface_files import load_surface_ply
+    from footscan.foot.wedge import wedge_from_json
 
     if take.result is None or take.result.refused:
         raise InputError(f"take {take.id} has no measured foot; measure it again, or choose another take.")
@@ -88,9 +92,11 @@ def open_foot(station: Station, take: Take) -> InspectedFoot:
         content = json.loads((folder / "measurements.json").read_text(encoding="utf-8"))
         foot_from_world = np.array(content["foot_from_input"], dtype=np.float64)
         length_mm = float(content["measurements"]["foot_length"]["value"])
+        wedge = wedge_from_json(content.get("wedge"))
     except (OSError, ValueError, KeyError, TypeError) as err:
         raise InputError(f"{folder} holds no complete measurements ({err!r}); measure the take again.") from err
-    return InspectedFoot(take, folder, mesh, shell_from_mesh(mesh), foot_from_world, length_mm, content["measurements"])
+    skin = shell_from_mesh(mesh)
+    return InspectedFoot(take, folder, mesh, skin, foot_from_world, length_mm, content["measurements"], wedge)
 
 
 def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
@@ -122,6 +128,7 @@ def try_smoothing(foot: InspectedFoot, settings: FootSettings) -> TriedFoot:
         made.measurements.foot_from_input,
         float(made.measurements["foot_length"].value or foot.length_mm),
         cast("dict[str, Any]", values["measurements"]),
+        made.measurements.wedge,
     )
     words = texts.SMOOTH_TRIED.format(filter=settings.filter_strength, smooth=settings.smooth_mm)
     return TriedFoot(take.id, copy, words, made.price)
@@ -139,13 +146,13 @@ def cut_at(foot: InspectedFoot, share: float, turn_deg: float, tilt_deg: float) 
     Raises:
         MeshError: The plane misses the foot.
     """
+    from footscan.foot.foot_frame import FootFrame
     from footscan.foot.sections import measure_cut
 
     turn, tilt = np.deg2rad([turn_deg, tilt_deg])
     normal_foot = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
-    rotation, shift = foot.foot_from_world[:3, :3], foot.foot_from_world[:3, 3]
     point_foot = np.array([share * foot.length_mm, 0.0, _HEIGHT_MM])
-    return measure_cut(foot.shell, rotation.T @ (point_foot - shift), rotation.T @ normal_foot)
+    return measure_cut(foot.shell, *FootFrame(foot.foot_from_world, foot.wedge).plane_to_input(point_foot, normal_foot))
 
 
 def outlines_svg(cuts: Sequence[tuple[InspectedFoot, Section]], width_px: int = 340, height_px: int = 200) -> str:

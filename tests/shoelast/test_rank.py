@@ -47,6 +47,15 @@ def test_the_wrong_side_comes_after_every_usable_last(entries: list[LastEntry], 
     assert all("right last" in one.reason for one in ranking if one.entry.side == "right")
 
 
+def test_lasts_too_high_for_a_flat_scan_come_last_and_say_so(entries: list[LastEntry], foot: PreparedFoot):
+    ranking = rank(entries, foot)
+    high = [one for one in ranking if (one.entry.pitch_mm or 0.0) > 35.0]
+
+    assert high
+    assert all("on a wedge of about" in one.reason for one in high)
+    assert min(one.score for one in high) > max(one.score for one in ranking if not one.reason)
+
+
 def test_the_wrong_side_falls_below_the_median_unless_it_is_the_only_one_of_its_kind(
     entries: list[LastEntry], foot: PreparedFoot
 ):
