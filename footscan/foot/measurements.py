@@ -20,7 +20,7 @@ from footscan.foot.sizes import NORMS, Norm, suggest_sizes, unusual_remark
 from footscan.foot.standing import StandingFoot, absent_parts, front_of, stand
 from footscan.foot.units import check_foot_length
 from footscan.foot.wedge import FLAT_MM, Wedge, check_wedge_height, wedge_json
-from footscan.foot.wedge_fit import ball_line, check_level, find_wedge, flat_shell
+from footscan.foot.wedge_fit import ball_line, check_level, check_turned_back, find_wedge, flat_shell
 
 FORMAT = "footscan-measurements/1"
 ORIGIN_UNKNOWN = "the origin of the skin is unknown: below 8 mm it is taken as not seen"
@@ -170,6 +170,7 @@ def measure(
     under = _placed_wedge(shell, wedge, side, front, given)
     if under is not None:
         shell = flat_shell(shell, under)
+        check_turned_back(shell, under)
         given = {name: under.flat(xyz[None])[0] for name, xyz in given.items()}
     alignment = align_foot(shell, side, axis, given, front)
     doubt = check_level(shell) if under is None else None

@@ -26,6 +26,8 @@ _REAR_SHARE, _BALL_SHARES, _LOW = 0.22, (0.55, 0.85), 0.45
 of it is leg."""
 _QUESTIONED_MM, _REFUSED_MM = 5.0, 15.0
 """The lowest skin of a heel that stands flat lies at most this much higher than the ball's: 0.2 mm in real meshes."""
+_TURNED_BACK_MM = 7.0
+"""The same of a foot turned back: more means that it stood on another wedge."""
 _SEEN_MORE_MM = 5.0
 """Where the sole was not seen, the lowest *seen* skin may differ by this much more (scans: up to 3 mm)."""
 
@@ -59,7 +61,9 @@ def find_wedge(
     Raises:
         MeshError: No foot, or the wedge cannot end under its ball.
     """
-    wedge = _first_guess(shell, height_mm)
+    wedge = guess_wedge(shell, height_mm)
+    if len(shell.faces):
+        check_turned_back(flat_shell(shell, wedge), wedge, 0.5 * height_mm)
     for _ in range(_ROUNDS):
         before, wedge = wedge, _again(shell, wedge, side, front, given or {})
         if _settled(before, wedge):
@@ -151,7 +155,12 @@ def _settled(before: Wedge, now: Wedge) -> bool:
     )
 
 
-def _first_guess(shell: Shell, height_mm: float) -> Wedge:
+def guess_wedge(shell: Shell, height_mm: float) -> Wedge:
+    """A wedge of a height under a foot, to a centimetre or two, from its outline alone.
+
+    Raises:
+        MeshError: No foot, or the wedge cannot end under its ball.
+    """
     heading = rough_heading(shell, height_mm)
     low = find_outline(shell, float(shell.xyz[:, 2].min()) + height_mm + _LOW_SHARE * heading.length_mm)
     along = low.xy @ heading.xy_forward
@@ -183,6 +192,27 @@ def heel_lift(shell: Shell) -> Lift | None:
     if not len(rear) or not len(ball):
         return None
     return Lift(float(rear.min() - ball.min()), known)
+
+
+def check_turned_back(flat: Shell, wedge: Wedge, within_mm: float = 0.0) -> None:
+    """Refuse a wedge on which the foot did not stand: turned back its heel lies below or above the ball.
+
+    Args:
+        flat: The skin turned back.
+        wedge: The wedge.
+        within_mm: How well the wedge is placed, when worse than usual.
+
+    Raises:
+        MeshError: Saying how high the heel stood, and what to do.
+    """
+    lift = heel_lift(flat)
+    if lift is None or abs(lift.height_mm) <= max(within_mm, _TURNED_BACK_MM + _SEEN_MORE_MM * lift.seen_only):
+        return
+    raise MeshError(
+        f"a wedge of {wedge.height_mm:g} mm was declared, but the heel stands about "
+        f"{max(wedge.height_mm + lift.height_mm, 0.0):.0f} mm above the ball: declare the height under the middle of "
+        "the heel as it is, 0 on the flat board."
+    )
 
 
 def check_level(shell: Shell) -> str | None:

@@ -17,7 +17,7 @@ from footscan.foot.wedge import (
     height_of_slope,
     wedge_json,
 )
-from footscan.foot.wedge_fit import ending_at, find_wedge, placed_under
+from footscan.foot.wedge_fit import ending_at, find_wedge, guess_wedge, placed_under
 from footscan.geometry.plane import Plane
 from footscan.scanning.footboard import BOARD_MARGIN_MM
 from footscan.scanning.ramp import Ramp, find_cells, find_ramp, find_wall
@@ -28,6 +28,7 @@ _BALL_SHARE = 0.68
 _OFF_MM, _OFF_SHARE = 4.0, 0.1
 """The wedge seen may be so much higher or lower than the declared one."""
 _HIGHEST_SHARE = 0.6
+_REAR_SHARES, _BELOW_MM, _MOST_BELOW = (0.45, 0.25), 2.0, 0.004
 _ENOUGH = 25000
 _ABOVE_MM = (12.0, 9.0, 6.0, 6.0)
 _NO_FACES = np.empty((0, 3), dtype=np.int64)
@@ -70,6 +71,8 @@ def find_ground(
         assert declared_mm is not None
         if ramp is None:
             wedge = _wedge_from_foot(xyz_world, floor, declared_mm, side, front)
+            if find_wall(cells, floor) is None:
+                _check_nothing_below(xyz_world, floor, wedge)
             return WedgeFinding(wedge, None, None, ("the wedge's top was not seen: it is taken to end under the ball",))
         return WedgeFinding(_checked(_wedge_from_ramp(xyz_world, ramp, declared_mm, side, front)), ramp)
     except MeshError as refusal:
@@ -136,12 +139,32 @@ def _wedge_from_foot(
     At first only skin well above the wedge counts: what stands out of a wedge behind or beside the foot is no skin.
     """
     body = _some(xyz_world[floor.distance_mm(xyz_world) > BOARD_MARGIN_MM])
-    wedge = find_wedge(Shell(body, _NO_FACES), height_mm, side, front)
+    wedge = guess_wedge(Shell(body, _NO_FACES), height_mm)
     for above_mm in _ABOVE_MM:
         xyz = wedge.flat(body)
         near = _standing(xyz, wedge) & (xyz[:, 2] > above_mm)
         wedge = find_wedge(Shell(body[near], _NO_FACES), height_mm, side, front)
     return wedge
+
+
+def _check_nothing_below(xyz_world: Floats, floor: Plane, wedge: Wedge) -> None:
+    """Refuse a wedge where skin was seen: a wedge that shows neither top nor sides hides what is below its top.
+
+    Raises:
+        MeshError: The heel stands lower than declared.
+    """
+    xyz = wedge.flat(_some(xyz_world[floor.distance_mm(xyz_world) > BOARD_MARGIN_MM]))
+    away = xyz[:, :2] - np.array(wedge.heel_xy)
+    along = away @ np.array(wedge.forward_xy)
+    across = away @ np.array([-wedge.forward_xy[1], wedge.forward_xy[0]])
+    rear = (along < _REAR_SHARES[0] * wedge.length_mm) & (np.abs(across) < _REAR_SHARES[1] * wedge.length_mm)
+    below = rear & (xyz[:, 2] < -_BELOW_MM - 0.1 * wedge.height_mm)
+    if below.sum() > _MOST_BELOW * max(int(rear.sum()), 1):
+        raise MeshError(
+            f"a wedge of {wedge.height_mm:g} mm was declared, but none is seen, and {below.sum() / rear.sum():.1%} "
+            "of the rearfoot lies where it would be: declare the height as it is (0 on the flat board), or take "
+            "a bright matt wedge wider than the foot."
+        )
 
 
 def _checked(wedge: Wedge) -> Wedge:

@@ -120,6 +120,14 @@ def test_a_wedge_up_to_two_millimetres_is_the_flat_board(flat: Measurements):
     assert measure(mesh, "right", wedge=1.5)["foot_length"].value == flat["foot_length"].value
 
 
+def test_a_flat_foot_for_which_a_wedge_was_declared_is_refused():
+    mesh = trimesh_from_surface(build_foot(FootShape("right", 1.0)))
+
+    for height_mm in (15.0, 50.0):
+        with pytest.raises(MeshError, match=f"a wedge of {height_mm:g} mm was declared, but"):
+            measure(mesh, "right", wedge=height_mm)
+
+
 def test_impossible_wedges_are_refused(flat: Measurements):
     mesh = trimesh_from_surface(build_foot(FootShape("right", 1.0)))
 

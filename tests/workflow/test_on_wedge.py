@@ -90,6 +90,15 @@ def test_a_wedge_that_was_not_seen_is_taken_to_end_under_the_ball(raised: Raised
     assert any("was not seen" in remark for remark in found.remarks)
 
 
+def test_a_foot_on_the_flat_board_for_which_a_wedge_was_declared_is_refused():
+    mesh = trimesh_from_surface(build_foot(FootShape("left", 1.0)))
+    xyz = np.asarray(trimesh.sample.sample_surface(mesh, 24000, seed=6)[0])
+    found = find_ground(xyz[(xyz[:, 2] > 5.0) & (xyz[:, 2] < 150.0)], FLOOR, HEIGHT_MM, "left", None)
+
+    assert found.wedge is None
+    assert "a wedge of 50 mm was declared, but" in str(found.refusal)
+
+
 def test_bare_skin_holds_no_ramp(skin: Floats):
     mesh = trimesh_from_surface(build_foot(FootShape("right")))
     flat = np.asarray(trimesh.sample.sample_surface(mesh, 60000, seed=5)[0])
