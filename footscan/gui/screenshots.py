@@ -138,6 +138,7 @@ def _last(me: Visitor) -> Iterator[str]:
     yield "last-clearance"
     me.presses(texts.LAST_CUSTOMISE)
     me.sees(re.compile("The last (holds|does not hold)"))
+    me.misses(texts.LAST_MADE_HOLDS)  # the notification
     me.tab.wait_for_timeout(_DRAWN_MS)
     yield "last-customised"
 

@@ -458,8 +458,8 @@ LAST_FILE_HINTS = {
 LAST_ENGRAVE = "Engrave"
 LAST_ENGRAVE_HINT = "Cut into the cone top of STL and 3DM: order, side, size; no patient's name"
 LAST_LEGEND = (
-    ("#8c0a14", "−6 mm (too tight)"), ("#fa965a", "−2 mm"), ("#ffffff", "0 mm"), ("#6eb4eb", "3 mm"),
-    ("#0f2d78", "10 mm of room"), ("#969696", "not judged: never seen, or above the last"),
+    ("#8c0a14", "−6 mm"), ("#fa965a", "−2 mm"), ("#ffffff", "0 mm"), ("#6eb4eb", "3 mm"),
+    ("#0f2d78", "10 mm"), ("#969696", "not judged: never seen, or above the last"),
 )  # fmt: skip
 LAST_LEGEND_CHANGED = (("#b08050", "as the standard last"), ("#d6d6d6", "changed"))
 LAST_LEGEND_ROUND = (("#e0a080", "foot as seen"), ("#969696", "foot never seen"), ("#d6c0a4", "the last, see-through"))
