@@ -55,9 +55,9 @@ class Desk:
                 thread.join(30.0)
 
     @property
-    def waiting(self) -> bool:
-        """Commands wait."""
-        return not self._commands.empty()
+    def idle(self) -> bool:
+        """Nothing is done or waits on either thread, and nothing follows from what was done."""
+        return not any(each.unfinished_tasks for each in (self._jobs, self._commands, self._jobs))
 
     def listen(self, show: Callable[[PageState], None]) -> None:
         """Call this with every new state, on the desk's thread."""
@@ -176,3 +176,4 @@ class Desk:
                 self.say(texts.FAILED, texts.INTERNAL.format(what=type(err).__name__), wrong=True)
             command = None  # what it made may be large
             afterwards()
+            waiting.task_done()

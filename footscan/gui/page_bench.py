@@ -5,7 +5,6 @@ import resource
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -25,7 +24,6 @@ from footscan.scanning.session.states import FrameCount, LiveCount
 
 _WAIT_S = 600.0
 _PATIENCE_S = 1e6
-_IDLE_LOOKS = 10
 _FIRST_WORDS = "() => /is starting|is being opened|controls? the machine/.test(document.body.innerText)"
 _EVERYTHING = """names => {
   const has = role => [...document.querySelectorAll(role)].map(element => element.innerText.trim());
@@ -182,13 +180,9 @@ def scan_once(page: Page, patient_id: int) -> None:
 
 def _do(page: Page, command: Callable[[], None]) -> None:
     """Post a command and wait until nothing that came of it runs any more."""
-    done = threading.Event()
     page.desk.post(command)
-    page.desk.post(done.set)
-    gives_up_s, idle = time.monotonic() + _WAIT_S, 0
-    while idle < _IDLE_LOOKS:
-        busy = not done.is_set() or page.desk.state.job is not None or page.desk.waiting
-        idle = 0 if busy else idle + 1  # between two jobs of a row there is a moment without one
+    gives_up_s = time.monotonic() + _WAIT_S
+    while not page.desk.idle:
         if time.monotonic() > gives_up_s:
             raise QualityError(f"the page still works after {_WAIT_S:g} s; the computer is too busy for this.")
         time.sleep(0.02)

@@ -31,6 +31,7 @@ _COLOURS = {
 _SHARES = (0.16, 0.35, 0.5, 0.62, 0.73)
 _LIGHT = np.array([0.25, 0.35, 0.9]) / np.linalg.norm([0.25, 0.35, 0.9])
 _PIXEL_MM = 0.4
+_COLUMNS = 102
 
 
 def save_report(
@@ -108,14 +109,15 @@ def _write_numbers(axes: Any, measured: Measurements, said: Sequence[str]) -> No
     wedge = [] if measured.wedge is None else [WEDGE_SENTENCE.format(height=measured.wedge.height_mm)]
     notes = [SOLE_SENTENCE, *wedge, *(f"? {question}" for question in measured.questions)]
     sizes = ", ".join(f"{name} {value}" for name, value in measured.sizes.items() if isinstance(value, float | int))
-    verdict = [line for note in said for line in textwrap.wrap(note, 92, subsequent_indent="  ")]
-    text = "\n".join(
-        [*verdict, *([""] if said else []), header, "-" * 66, *lines, "-" * 66, f"Sizes (indicative): {sizes}", *notes]
-    )
     legend = "mark: ok = reliable; ? = see the reason in measurements.json; ! = unusual against the norm"
-    axes.text(
-        0.0, 1.0, text + "\n" + legend, family="monospace", fontsize=8.0, va="top", transform=axes.transAxes, wrap=True
-    )
+    ends = [f"Sizes (indicative): {sizes}", *notes, legend]
+    text = [*_wrapped(said), *([""] if said else []), header, "-" * 66, *lines, "-" * 66, *_wrapped(ends)]
+    axes.text(0.0, 1.0, "\n".join(text), family="monospace", fontsize=8.0, va="top", transform=axes.transAxes)
+
+
+def _wrapped(notes: Sequence[str]) -> list[str]:
+    """Lines that fit; Matplotlib's own wrapping measures every word again and again and takes seconds."""
+    return [line for note in notes for line in textwrap.wrap(note, _COLUMNS, subsequent_indent="  ")]
 
 
 def _row(name: str, value: Measurement) -> str:

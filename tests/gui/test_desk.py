@@ -167,3 +167,20 @@ def test_a_job_that_fails_says_why_and_frees_the_desk(desk: Desk, told: Told) ->
 
     assert told == [(texts.FAILED, "the camera is gone.", True)]
     assert desk.state == replace(desk.state, job=None)
+
+
+def test_between_the_jobs_of_a_row_the_desk_is_not_idle(desk: Desk) -> None:
+    gate, seen = threading.Event(), list[bool]()
+
+    def second(_: None) -> None:
+        seen.append(desk.idle)  # the first job has ended, the second has not begun
+        desk.job("second", lambda progress: gate.wait(20.0), lambda _: None)
+
+    desk.post(lambda: desk.job("first", lambda progress: None, second) or None)
+    until(lambda: bool(seen) and desk.state.job is not None)
+    seen.append(desk.idle)
+    gate.set()
+    until(lambda: desk.idle)
+
+    assert seen == [False, False]
+    assert desk.state.job is None
