@@ -8,12 +8,13 @@ from footscan.config.calibration_file import (
     load_calibration_record,
     save_calibration,
 )
-from footscan.config.recording_file import RecordingInfo, Subject, load_recording_info, recording_toml
+from footscan.config.recording_file import MOST_WEDGE_MM, RecordingInfo, Subject, load_recording_info, recording_toml
 from footscan.config.scanner_file import load_scanner, scanner_toml
 from footscan.config.toml_file import file_kind
 
 __all__ = [
     "DEFAULT_BOARD",
+    "MOST_WEDGE_MM",
     "Board",
     "CalibrationRecord",
     "RecordingInfo",

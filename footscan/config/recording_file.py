@@ -14,6 +14,9 @@ RecordingSide = Literal["right", "left", "none"]
 Load = Literal["unknown", "unloaded", "seated", "bipedal", "single_leg"]
 Surface = Literal["unknown", "bare", "sock", "bandage", "dressing"]
 
+MOST_WEDGE_MM = 100.0
+"""No heel can be lifted further by a wedge that ends under the ball; 87 mm are the highest lasts known."""
+
 
 @dataclass(frozen=True)
 class Subject:

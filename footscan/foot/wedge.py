@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from footscan.config import MOST_WEDGE_MM
 from footscan.coordinates import Floats
 from footscan.errors import MeshError
 from footscan.foot.sole_bend import Bend, BentFoot
 
 FLAT_MM = 2.0
 """A wedge no higher than this counts as the flat board."""
-MOST_WEDGE_MM = 100.0
-"""No heel can be lifted further by a wedge that ends under the ball; 87 mm are the highest lasts known."""
 HEEL_SHARE = 0.13
 """Middle of the heel as a share of the foot length: there the height of a wedge is taken."""
 NEUTRAL_SHARE = 0.07

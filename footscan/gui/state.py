@@ -50,6 +50,7 @@ class ScanChoice:
     load: Load = "bipedal"
     surface: Surface = "bare"
     profile: str = ""
+    wedge_mm: float = 0.0
 
 
 @dataclass(frozen=True)

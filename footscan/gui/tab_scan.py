@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
+from footscan.config import MOST_WEDGE_MM
 from footscan.gui import texts
 from footscan.gui.binding import ask, on_press, on_value, put, put_options
+from footscan.gui.desk import Desk
 from footscan.gui.fold import Fold
 from footscan.gui.legend import legend_html
 from footscan.gui.state import PageState
@@ -45,6 +47,7 @@ class ScanTab:
         others = (texts.REMARK, texts.REPEAT, texts.REPROCESS)
         self._else = gui.add_button_group(texts.DECIDE_ELSE, others, visible=False, hint=texts.DECIDE_ELSE_HINT)
         self._remarked: int | None = None
+        self._wedge = _wedge_field(gui, tools.desk)
         self._fold = Fold(gui, tools.desk, texts.KEPT_SCANS)
         with self._fold.inside:
             gui.add_html(_box(texts.KEPT_WORDS, small=True))
@@ -58,6 +61,7 @@ class ScanTab:
         on_value(desk, self._load, lambda words: self._choose(load=_key(texts.LOADS, words)))
         on_value(desk, self._surface, lambda words: self._choose(surface=_key(texts.SURFACES, words)))
         on_value(desk, self._profile, lambda name: self._choose(profile=name))
+        on_value(desk, self._wedge, lambda height_mm: self._choose(wedge_mm=float(height_mm)))
         on_press(desk, self._check, lambda client: self._armed(client, self._scan.check))
         on_press(desk, self._start, lambda client: self._armed(client, self._scan.start))
         on_press(desk, self._accept, lambda _: self._result.accept())
@@ -106,7 +110,8 @@ class ScanTab:
         put(self._load, value=texts.LOADS[choice.load], disabled=busy)
         put(self._surface, value=texts.SURFACES[choice.surface], disabled=busy)
         put(self._profile, value=choice.profile or self._station.profiles[0], disabled=busy)
-        put(self._plan, content=_box(html.escape(self._station.plan(choice.profile).sentence()), small=True))
+        put(self._wedge, value=choice.wedge_mm, disabled=busy)
+        put(self._plan, content=_box(_plan(self._station.plan(choice.profile).sentence(), choice.wedge_mm), small=True))
         put(self._check, disabled=busy or state.patient is None)
         put(self._start, disabled=busy or state.step != "checked")
         put(self._note, content=_box(_note(state)))
@@ -131,6 +136,18 @@ class ScanTab:
 def check_spoiled(snapshot: Snapshot) -> bool:
     """The machine is not as it was when it was checked."""
     return snapshot.state in (State.FAULT, State.STOPPED, State.CLOSED) or not snapshot.estop_ok
+
+
+def _wedge_field(gui: viser.GuiApi, desk: Desk) -> viser.GuiInputHandle[float]:
+    with Fold(gui, desk, texts.WEDGE_FOLD).inside:
+        gui.add_html(_box(texts.WEDGE_WORDS, small=True))
+        return gui.add_number(texts.WEDGE, 0.0, min=0.0, max=MOST_WEDGE_MM, step=1.0, hint=texts.WEDGE_HINT)
+
+
+def _plan(sentence: str, wedge_mm: float) -> str:
+    """The plan in a sentence; a wedge is always in sight, also where its field is folded away."""
+    wedge = f"<b>{texts.ON_WEDGE.format(height=wedge_mm)}</b>, " if wedge_mm else ""
+    return wedge + html.escape(sentence)
 
 
 def _head(state: PageState) -> str:

@@ -150,6 +150,10 @@ SIDE_HINT = "Which foot stands on the board"
 LOAD_HINT = "How the person stands or sits"
 SURFACE_HINT = "What covers the skin"
 PROFILE_HINT = "How densely the foot is scanned"
+WEDGE_FOLD = "Heel on a wedge"
+WEDGE, WEDGE_HINT = "Wedge (mm)", "Height of the wedge's top under the middle of the heel; 0 when the foot stands flat"
+WEDGE_WORDS = "For lasts with a high heel: the wedge's thin edge lies under the ball, ball and toes stand on the board."
+ON_WEDGE = "on a wedge of {height:g} mm"
 LOADS = {"unknown": "not said", "unloaded": "unloaded", "seated": "seated", "bipedal": "standing on both feet",
          "single_leg": "standing on this leg"}  # fmt: skip
 SURFACES = {"unknown": "not said", "bare": "bare", "sock": "sock", "bandage": "bandage", "dressing": "dressing"}

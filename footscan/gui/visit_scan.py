@@ -221,9 +221,14 @@ class ScanWork:
             scan_folder(self._station.scans, choice.side),
             choice.side,
             self._station.plan(choice.profile),
-            Subject(load=choice.load, surface=choice.surface, absent=_missing(state)),
+            _subject(state),
             process=ProcessSettings(SweepSettings(threshold=state.camera.in_use), side=choice.side),
         )
+
+
+def _subject(state: PageState) -> Subject:
+    choice = state.scan
+    return Subject(choice.load, surface=choice.surface, wedge_mm=choice.wedge_mm or None, absent=_missing(state))
 
 
 def _missing(state: PageState) -> tuple[str, ...]:

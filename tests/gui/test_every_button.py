@@ -52,6 +52,18 @@ def test_devices_are_examined_and_drills_run_and_are_cancelled(served: Served, m
     me.sees(re.compile("cancelled"))
 
 
+def test_a_wedge_is_declared_stays_in_sight_and_is_of_this_patient_only(served: Served, me: Operator) -> None:
+    me.takes_patient("Jürgen Muster")
+    me.goes_to(texts.TAB_SCAN)
+    me.presses(texts.WEDGE_FOLD)
+    me.types(texts.WEDGE, "50")
+    me.sees(re.compile(texts.ON_WEDGE.format(height=50)))
+
+    assert served.page.tools.scan._settings().subject.wedge_mm == 50.0
+    me.takes_patient("Anna Example")
+    until(lambda: served.page.tools.scan._settings().subject.wedge_mm is None)
+
+
 def test_the_stop_key_stops(served: Served, me: Operator) -> None:
     me.takes_patient("Jürgen Muster")
     me.goes_to(texts.TAB_SCAN)
