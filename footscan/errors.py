@@ -111,6 +111,10 @@ class InterlockError(DeviceError):
     """An output was asked for that is not allowed now."""
 
 
+class StoppedError(InterlockError):
+    """The machine was told to stop, by somebody or because nobody watched; nothing is wrong with it."""
+
+
 class ThreadFailedError(DeviceError):
     """A thread of the scan has ended unexpectedly."""
 

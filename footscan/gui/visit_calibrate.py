@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from footscan.config import load_calibration_record
-from footscan.errors import FootscanError
+from footscan.errors import FootscanError, StoppedError
 from footscan.gui import texts
 from footscan.gui.desk import Desk, Progress
 from footscan.gui.state import CalibrationChoice
@@ -224,7 +224,10 @@ class CalibrationWork:
 
     def _failed(self, err: FootscanError) -> None:
         self._desk.change()
-        self._desk.say(texts.FAILED, str(err), wrong=True)
+        if isinstance(err, StoppedError):
+            self._desk.say(texts.CALIBRATE_STOPPED, texts.CALIBRATE_STOPPED_NEXT.format(why=err))
+        else:
+            self._desk.say(texts.FAILED, str(err), wrong=True)
 
     @property
     def _choice(self) -> CalibrationChoice:

@@ -15,6 +15,7 @@ from footscan.errors import (
     InputError,
     InterlockError,
     OutputsLostError,
+    StoppedError,
 )
 from footscan.scanning.session.assembly import Assembly, RigDevices, SessionSetup
 from footscan.scanning.session.grabber import Grabber
@@ -269,7 +270,7 @@ class Session:
         try:
             machine.interlock.disarm()
         finally:
-            self._stop_program(InterlockError(f"{why}."))
+            self._stop_program(StoppedError(f"{why}."))
         if machine.state is not State.FAULT:  # a fault stays until somebody resets it
             machine.say(State.STOPPED, f"{why}; lasers and motor are off, what was captured is kept.")
 

@@ -16,6 +16,7 @@ from footscan.errors import (
     HeadStalledError,
     InterlockError,
     OutputsLostError,
+    StoppedError,
 )
 from footscan.scanning.recording import open_recording
 from footscan.scanning.session.plan import plan_scan
@@ -80,7 +81,7 @@ def test_cancel_switches_off_and_keeps_what_is_there(bench: Bench) -> None:
     ticket = bench.start_scan()
     bench.wait_until(lambda: bench.session.snapshot().frames.kept > 20)
     bench.session.post_cancel().wait(30)
-    with pytest.raises(InterlockError, match="stopped by the operator"):
+    with pytest.raises(StoppedError, match="stopped by the operator"):
         ticket.wait(30)
     bench.wait_until((bench.folder / "manifest.sha256").is_file)
     snapshot = bench.session.snapshot()
