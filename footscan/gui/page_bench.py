@@ -206,13 +206,13 @@ def _memory_mb() -> float:
 
 
 def small_rig(rig: Rig) -> Rig:
-    """The simulated machine in virtual time: a ninth of the pixels, the fewest frames a foot can be measured from."""
+    """The simulated machine in virtual time: a quarter of the pixels, the fewest frames a foot can be measured from."""
     assert rig.devices.world is not None
     world = rig.devices.world.model_copy(update={"time": "paced", "pace": 100.0, "person": "statue"})
     coarse = rig.motion.profile[0].model_copy(update={"name": "coarse", "angle_step_deg": 7.5})
     speeds = (*rig.motion.speeds_deg_per_s[:2], 60.0)
     motion = rig.motion.model_copy(update={"profile": (coarse,), "frames_per_s": 8.0, "speeds_deg_per_s": speeds})
-    scanner = replace(rig.scanner, camera=_coarser(rig.scanner.camera, 3))
+    scanner = replace(rig.scanner, camera=_coarser(rig.scanner.camera, 2))
     return replace(rig, scanner=scanner, motion=motion, devices=rig.devices.model_copy(update={"world": world}))
 
 
