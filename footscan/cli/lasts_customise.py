@@ -124,7 +124,7 @@ _USAGE = (
 class LastsAsked:
     """Which lasts were asked for, by name or by style."""
 
-    library: LastLibrary
+    stock: LastLibrary
     last: str | None
     last_right: str | None
     style: str | None
@@ -138,18 +138,18 @@ class LastsAsked:
         """The last that was named."""
         if self.last is None:
             raise InputError(_USAGE)
-        return self.library.load(self.last)
+        return self.stock.load(self.last)
 
     def of_both(self, feet: tuple[PreparedFoot, PreparedFoot], profile: str) -> tuple[Shoelast, Shoelast]:
         """The lasts that were named, or the best two."""
         if self.last is None and self.last_right is None:
-            return choose_pair(self.library, feet, profile, self.style)
+            return choose_pair(self.stock, feet, profile, self.style)
         if self.last is None or self.style is not None:
             raise InputError(
                 "--last-right needs --last for the left foot, and --style needs neither: name both, or none."
             )
         left = self.one()
-        return left, left if self.last_right is None else self.library.load(self.last_right)
+        return left, left if self.last_right is None else self.stock.load(self.last_right)
 
 
 def _settings_of_both(

@@ -122,7 +122,8 @@ class BentFoot:
         fade = 1.0 - smooth_step((share[:, 0] - _LEG_FRONT[0]) / (_LEG_FRONT[1] - _LEG_FRONT[0]))
         turn = -self._bend.ankle_rad * fade * smooth_step((share[:, 1] - _ANKLE_BAND[0]) / np.ptp(_ANKLE_BAND))
         x, z = xyz[:, 0] - _ANKLE[0] * self._length, xyz[:, 2] - _ANKLE[1] * self._length
-        return np.column_stack([turned(x, z, turn)[0] - x, np.zeros_like(x), turned(x, z, turn)[1] - z])
+        x_turned, z_turned = turned(x, z, turn)
+        return np.column_stack([x_turned - x, np.zeros_like(x), z_turned - z])
 
     def _with_leg_back(self, xyz: Floats) -> Floats:
         """The inverse of `_with_turned_leg`, by Newton's method from where the turn about the ankle alone leads."""

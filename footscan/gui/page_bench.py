@@ -19,7 +19,6 @@ from footscan.gui.door import Address, url_of
 from footscan.gui.page import Page
 from footscan.gui.serve import open_page
 from footscan.gui.visitor import Visitor
-from footscan.optics.camera import Camera
 from footscan.records import NewPatient
 from footscan.scanning.session.states import FrameCount, LiveCount
 
@@ -212,7 +211,7 @@ def small_rig(rig: Rig) -> Rig:
     coarse = rig.motion.profile[0].model_copy(update={"name": "coarse", "angle_step_deg": 7.5})
     speeds = (*rig.motion.speeds_deg_per_s[:2], 60.0)
     motion = rig.motion.model_copy(update={"profile": (coarse,), "frames_per_s": 8.0, "speeds_deg_per_s": speeds})
-    scanner = replace(rig.scanner, camera=_coarser(rig.scanner.camera, 2))
+    scanner = replace(rig.scanner, camera=rig.scanner.camera.coarser(2))
     return replace(rig, scanner=scanner, motion=motion, devices=rig.devices.model_copy(update={"world": world}))
 
 
@@ -226,16 +225,3 @@ def real_time_rig(rig: Rig) -> Rig:
 def busy_now() -> str:
     """How busy this computer is, for whoever reads the figures."""
     return f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
-
-
-def _coarser(camera: Camera, times: int) -> Camera:
-    """The same field of view in fewer, larger pixels."""
-    c_y, c_z = camera.principal_point_px
-    return replace(
-        camera,
-        width_px=camera.width_px // times,
-        height_px=camera.height_px // times,
-        pixel_pitch_y_mm=camera.pixel_pitch_y_mm * times,
-        pixel_pitch_z_mm=camera.pixel_pitch_z_mm * times,
-        principal_point_px=(c_y / times, c_z / times),
-    )

@@ -1,6 +1,6 @@
 """The camera of the paper: pixel <-> image plane (eq. 12, 13), radial distortion both ways (eq. 14), rays (eq. 1-2)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,18 @@ class Camera:
     k1_per_mm2: float  # K_1
     k2_per_mm4: float  # K_2
     image_rotation_deg: int = 0
+
+    def coarser(self, times: int) -> "Camera":
+        """The same field of view in fewer pixels, `times` as large both ways."""
+        c_y, c_z = self.principal_point_px
+        return replace(
+            self,
+            width_px=self.width_px // times,
+            height_px=self.height_px // times,
+            pixel_pitch_y_mm=self.pixel_pitch_y_mm * times,
+            pixel_pitch_z_mm=self.pixel_pitch_z_mm * times,
+            principal_point_px=(c_y / times, c_z / times),
+        )
 
 
 def estimate_horizontal_scale(sensor_elements_per_line: int, picture_elements_per_line: int) -> float:

@@ -24,16 +24,6 @@ SMALLER = 3
 def small_rig(**motion: object) -> Rig:
     """The simulated rig with a camera of a ninth of the pixels and a quick head, in virtual time."""
     rig = builtin_rig()
-    camera = rig.scanner.camera
-    c_y, c_z = camera.principal_point_px
-    small = replace(
-        camera,
-        width_px=camera.width_px // SMALLER,
-        height_px=camera.height_px // SMALLER,
-        pixel_pitch_y_mm=camera.pixel_pitch_y_mm * SMALLER,
-        pixel_pitch_z_mm=camera.pixel_pitch_z_mm * SMALLER,
-        principal_point_px=(c_y / SMALLER, c_z / SMALLER),
-    )
     quick = {
         "travel_deg": (-24.0, 380.0),
         "home_deg": -9.0,
@@ -46,7 +36,7 @@ def small_rig(**motion: object) -> Rig:
     world = world.model_copy(update={"time": "fast", "person": "statue"})
     return replace(
         rig,
-        scanner=replace(rig.scanner, camera=small),
+        scanner=replace(rig.scanner, camera=rig.scanner.camera.coarser(SMALLER)),
         motion=rig.motion.model_copy(update=quick | motion),
         devices=rig.devices.model_copy(update={"world": world}),
     )
